@@ -12,7 +12,7 @@ use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::input::measured::MeasuredCondition;
-use crate::input::study::{Study, StudyKind};
+use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::store::identity::Key;
 use std::path::{Path, PathBuf};
@@ -127,9 +127,9 @@ impl DesignTask {
         let mut study = check(&read_table(table)?, &self.folder, &name)?;
         study.judgement.condition = study.judgement.condition.or(self.condition);
         let is_listed = self.variables.iter().any(|variable| variable.listed);
-        if is_listed && let StudyKind::Composed(composed) = &mut study.kind {
+        if is_listed {
             // the recipe's own thickness, with the slabs of the first one
-            composed.thicknesses_um.drain(..composed.thicknesses_um.len().saturating_sub(1));
+            study.request_um(study.requested_um().pop().into_iter().collect());
         }
         Ok(study)
     }

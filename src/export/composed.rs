@@ -23,7 +23,6 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct StoredSlabs {
     study: Study,
-    thicknesses_um: Vec<f64>,
     solved: FinishedSolves,
 }
 
@@ -44,15 +43,12 @@ impl StoredSlabs {
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
         }
-        let composed = study.composed().into_iter();
-        let thicknesses_um = composed.flat_map(|composed| composed.thicknesses_um.clone()).collect();
-        Ok(Self { study, thicknesses_um, solved })
+        Ok(Self { study, solved })
     }
 
     /// The study of the layer, and what is solved of its slabs.
     pub fn portions(&self) -> (&Study, &[SolvedPortion]) {
-        let solved = if let FinishedSolves::Slabs(solved) = &self.solved { solved.as_slice() } else { &[] };
-        (&self.study, solved)
+        (&self.study, self.solved.slabs())
     }
 
     /// For its exports.
@@ -85,16 +81,13 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         &self.slabs.study
     }
 
-    fn thicknesses_um(&self) -> Vec<f64> {
-        self.slabs.thicknesses_um.clone()
-    }
-
     fn is_isotropic(&self) -> bool {
         true
     }
 
     fn directions(&self, thickness_um: f64) -> ExportResult<Box<dyn DirectionalPrint + '_>> {
-        let view = ComposedView::new(&self.slabs.study, self.slabs.solved.slabs(), thickness_um);
+        let (study, solved) = self.slabs.portions();
+        let view = ComposedView::new(study, solved, thickness_um);
         Ok(Box::new(view.map_err(ExportError::Refused)?))
     }
 
@@ -102,10 +95,11 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let study = &self.slabs.study;
         let manifest = &self.evaluated()?.manifest;
         let bands = Bands::new(study, format)?;
-        let colours = manifest.colours.composed().iter().find(|colours| colours.thickness_um == thickness_um);
+        let composed = manifest.composed();
+        let colours = composed.as_ref().and_then(|composed| composed.colours_of(thickness_um));
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
-            let rows = manifest.spectra.composed().iter().filter(|row| row.thickness_um == thickness_um);
+            let rows = composed.iter().flat_map(|composed| composed.rows_of(thickness_um));
             let values: Option<Vec<_>> = rows.map(|row| Some(spectrum(geometry, row)?.estimate())).collect();
             let withheld = || {
                 let reasons: Vec<_> = manifest.withheld.iter().map(Withheld::in_words).collect();
@@ -135,7 +129,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     /// One file for each kind of slab.
     fn far_fields(&self) -> ExportResult<Vec<Described>> {
         let mut files = Vec::new();
-        for (study, collected) in self.slabs.solved.slabs() {
+        for (study, collected) in self.slabs.portions().1 {
             let kind = study.portion().map(|portion| portion.in_words()).unwrap_or_default();
             let named = |ending: &str| format!("far-fields-{}{ending}.npz", file_name(&kind));
             let is_taken = |name: &String| files.iter().any(|file: &Described| &file.name == name);

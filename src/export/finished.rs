@@ -24,7 +24,9 @@ pub trait FinishedStudy {
     fn study(&self) -> &Study;
 
     /// Thicknesses of the layers that it describes, µm.
-    fn thicknesses_um(&self) -> Vec<f64>;
+    fn thicknesses_um(&self) -> Vec<f64> {
+        self.study().requested_um()
+    }
 
     /// Whether its distributions are means over the azimuth.
     fn is_isotropic(&self) -> bool;

@@ -80,10 +80,6 @@ impl FinishedStudy for Stored {
         &self.study
     }
 
-    fn thicknesses_um(&self) -> Vec<f64> {
-        vec![self.study.layer.thickness_um]
-    }
-
     fn is_isotropic(&self) -> bool {
         false
     }

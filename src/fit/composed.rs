@@ -15,7 +15,7 @@ use super::run::{Branch, FitError, FitOutcome, FittedIndex, Forecast, Trust, des
 use crate::evaluate::composed::summary::summarise_slabs;
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::LayerNumbers;
-use crate::input::study::{Study, StudyKind};
+use crate::input::study::Study;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
@@ -80,10 +80,8 @@ fn nodes(task: &FitTask) -> Vec<[f64; 2]> {
 fn at_node(task: &FitTask, study: &Study, [n, kappa]: [f64; 2]) -> Study {
     let index = vec![Complex64::new(n, kappa); study.wavelengths_nm.len()];
     let mut node = study.with_index(task.pigment, &index);
-    if let StudyKind::Composed(composed) = &mut node.kind {
-        let um = composed.thicknesses_um[0];
-        composed.thicknesses_um = vec![um, THICKER * um];
-    }
+    let um = node.requested_um()[0];
+    node.request_um(vec![um, THICKER * um]);
     node
 }
 

@@ -12,7 +12,7 @@ use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::evaluated::{EvaluateError, Evaluated, FinishedSolves};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::{Count, FailureNote, Status};
+use crate::evaluate::manifest::{Count, Status};
 use crate::evaluate::published::Withheld;
 use crate::input::study::Study;
 use crate::run::crew::processor_seconds;
@@ -153,17 +153,13 @@ pub fn publish(evaluated: &Evaluated, folder: &OutputFolder) -> PublishResult<Pu
         pictures,
     }
     .write(folder)?;
-    let is_packing = |note: &&FailureNote| matches!(note, FailureNote::Whole { wavelength_nm: None, .. });
-    let missing_packings =
-        manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words());
-    let remarks = manifest.slabs.iter().flat_map(|slabs| slabs.remarks.clone());
     Ok(Published {
         status: manifest.origin.status,
         solves: manifest.solves,
-        failed_solves: manifest.failures.iter().filter(|note| !is_packing(note)).count(),
-        missing_packings,
+        failed_solves: manifest.failed_solves(),
+        missing_packings: manifest.missing_packings(),
         lines: main_results(manifest),
-        remarks: remarks.collect(),
+        remarks: manifest.remarks().to_vec(),
         no_colour: manifest.no_colour.clone(),
         numbers: numbers::in_words(&manifest.numbers),
         widest: missed_target(manifest),
@@ -235,7 +231,7 @@ fn pictures(evaluated: &Evaluated) -> PublishResult<Vec<NamedPictures>> {
     let study = manifest.study;
     let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
     let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
-    if manifest.slabs.is_none() && !is_sound {
+    if manifest.whole().is_some() && !is_sound {
         return Ok(Vec::new());
     }
     let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;

@@ -11,7 +11,9 @@ use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
 use crate::evaluate::evaluated::Evaluated;
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
-use crate::evaluate::manifest::{ColourNote, EnsembleNotes, MOST_LISTED, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{
+    ColourNote, EnsembleNotes, MOST_LISTED, Manifest, SpectrumRow, WholeResults,
+};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::{Method, PigmentGrains, SizeDistribution};
@@ -40,35 +42,38 @@ pub(super) struct ShownFiles<'a> {
 /// A figure cannot be drawn.
 pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Value> {
     let manifest = &evaluated.manifest;
-    let mut figures = figures::of_ink_makers(manifest)?;
+    let study = manifest.study;
+    let whole = manifest.whole();
+    let mut figures = Vec::new();
     let mut parts = Vec::new();
-    if let Some(seen) = evaluated.seen() {
-        figures = [figures::figures(manifest, seen)?, figures].concat();
-        parts.push(averages(manifest, seen));
+    if let Some((whole, seen)) = whole.zip(evaluated.seen()) {
+        figures.extend(figures::figures(manifest, whole.rows, seen)?);
+        parts.push(averages(&whole, seen));
+        let ensemble = whole.ensemble;
+        parts.push(context!(packed => packings(study, ensemble), grid => grid(study, ensemble)));
+        if let Some(maker) = &manifest.ink_maker {
+            figures.extend(figures::of_ink_makers(maker, &whole)?);
+            parts.push(context!(patches => Serde(patches(maker))));
+        }
     }
-    if let Some(ensemble) = &manifest.ensemble {
-        parts.push(
-            context!(packed => packings(manifest.study, ensemble), grid => grid(manifest.study, ensemble)),
-        );
+    if let Some(composed) = manifest.composed() {
+        figures.extend(slabs::figures(study, &composed)?);
+        parts.push(slabs::page(study, &composed));
     }
-    parts.extend(manifest.ink_maker.as_ref().map(|maker| context!(patches => Serde(patches(maker)))));
-    if let Some(slabs) = &manifest.slabs {
-        figures.extend(slabs::figures(manifest, slabs)?);
-        parts.push(slabs::page(manifest, slabs));
-    }
+    let conditions = whole.map_or(&[][..], |whole| whole.colours);
     let shown = context! {
         picture => files.picture.map(png_data),
         pictured_um => files.pictured_um,
         tables => Serde(&files.tables),
         thicknesses_um => manifest.thicknesses_um(),
-        conditions => Serde(manifest.colours.whole()),
+        conditions => Serde(conditions),
         failed => Serde(failed(manifest)),
-        swatch => manifest.colours.whole().first().map(|note| hex(note.colour.srgb8)),
+        swatch => conditions.first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
-        shapes => Serde(shapes(manifest.study)),
+        shapes => Serde(shapes(study)),
         weighted => Serde(numbers::lines(&manifest.numbers)),
     };
-    parts.extend([shown, limits(manifest), provenance(manifest)]);
+    parts.extend([shown, limits(manifest, whole.as_ref()), provenance(manifest)]);
     let data = parts.into_iter().fold(Value::from(Serde(manifest)), |all, part| context!(..part, ..all));
     Ok(data)
 }
@@ -103,10 +108,11 @@ fn size(grains: &PigmentGrains) -> String {
 /// The main results in a line each: the first colour of a layer that is solved as a whole, or those
 /// of every thickness of a composed one.
 pub(super) fn main_results(manifest: &Manifest) -> Vec<String> {
-    match &manifest.slabs {
-        Some(slabs) => slabs::lines(manifest, slabs),
-        None => manifest.colours.whole().first().map(colour_in_words).into_iter().collect(),
+    if let Some(composed) = manifest.composed() {
+        return slabs::lines(&composed);
     }
+    let first = manifest.whole().and_then(|whole| whole.colours.first());
+    first.map(colour_in_words).into_iter().collect()
 }
 
 fn colour_in_words(note: &ColourNote) -> String {
@@ -119,13 +125,13 @@ fn colour_in_words(note: &ColourNote) -> String {
     format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}")
 }
 
-fn limits(manifest: &Manifest) -> Value {
+fn limits(manifest: &Manifest, whole: Option<&WholeResults>) -> Value {
     context! {
         viewing => manifest.study.judgement.viewing.name(),
         scalar_error => scalar_error::line(manifest.study),
-        lacking => manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words()),
+        lacking => manifest.missing_packings(),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
-        too_few => few_wavelengths(manifest),
+        too_few => whole.and_then(|whole| few_wavelengths(manifest.study, whole)),
         widest => missed_target(manifest).map(|(bar, _)| bar),
         inputs => manifest.study.inputs_with_errors(),
         undetermined => Serde(manifest.study.undetermined_inputs()),
@@ -137,18 +143,15 @@ const ENOUGH_WAVELENGTHS: usize = 8;
 
 /// The number of wavelengths of a colour that has too few: those solved over all realisations where
 /// each has its own.
-fn few_wavelengths(manifest: &Manifest) -> Option<usize> {
-    let ensemble = manifest.ensemble.as_ref()?;
-    let solved = match manifest.study.variation.light {
-        LightRule::Shifted { strata, .. } => strata * ensemble.realisations.finished,
-        LightRule::Listed => manifest
-            .study
-            .wavelengths_nm
-            .iter()
-            .filter(|nm| manifest.spectra.whole().iter().any(|row| row.wavelength_nm == **nm))
-            .count(),
+fn few_wavelengths(study: &Study, whole: &WholeResults) -> Option<usize> {
+    let solved = match study.variation.light {
+        LightRule::Shifted { strata, .. } => strata * whole.ensemble.realisations.finished,
+        LightRule::Listed => {
+            let is_solved = |nm: &&f64| whole.rows.iter().any(|row| row.wavelength_nm == **nm);
+            study.wavelengths_nm.iter().filter(is_solved).count()
+        }
     };
-    (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
+    (solved < ENOUGH_WAVELENGTHS && study.angles.strata > 0).then_some(solved)
 }
 
 /// The widest interval where it is beyond `run.target_delta_e`, and what would make it narrower.
@@ -160,14 +163,14 @@ pub(super) fn missed_target(manifest: &Manifest) -> Option<(f64, &'static str)> 
 }
 
 /// What the table of uncertainties holds beside the manifest.
-fn averages(manifest: &Manifest, seen: &Seen) -> Value {
-    let colour = manifest.colours.whole().first().and_then(|note| note.lab_standard_error);
+fn averages(whole: &WholeResults, seen: &Seen) -> Value {
+    let colour = whole.colours.first().and_then(|note| note.lab_standard_error);
     context! {
         averaged => seen.realisations.len(),
         cells => seen.cells.len(),
         no_ink => seen.ink.as_ref().err().map(ToString::to_string),
         colour_error => colour.map(norm),
-        largest_error => largest_error(manifest.spectra.whole()),
+        largest_error => largest_error(whole.rows),
     }
 }
 

@@ -7,9 +7,9 @@ use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::composed::{AbsorbedRow, DensityRow, DistributionRow, LeftOutRow};
-use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{AbsorbedNote, ComposedResults, Manifest, SpectrumRow};
 use crate::evaluate::printed::{PrintNote, Prints};
-use crate::evaluate::published::{NumberNote, PublishedRow, Quantity};
+use crate::evaluate::published::{PublishedRow, Quantity};
 use crate::evaluate::seen::Seen;
 use crate::input::measured::MeasuredCondition;
 use crate::numerics::estimate::Estimate;
@@ -37,8 +37,10 @@ pub fn rows<'a, R: PublishedRow + 'a>(rows: impl IntoIterator<Item = &'a R>) -> 
 /// One that cannot be written.
 pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<NamedTable>> {
     let mut all = Vec::new();
-    if let Some(slabs) = &manifest.slabs {
-        let spectra = rows(manifest.spectra.composed().iter().chain(&slabs.curve))?;
+    let mut weighted = manifest.numbers.clone();
+    if let Some(ComposedResults { slabs, rows: of_thicknesses, .. }) = manifest.composed() {
+        weighted.extend(slabs.curve_numbers.iter().cloned());
+        let spectra = rows(of_thicknesses.iter().chain(&slabs.curve))?;
         let leaving = leaving_light(&slabs.distributions)?;
         all.extend([
             ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
@@ -56,20 +58,18 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             all.push(("densities.csv", densities(&slabs.left_out.densities)?, about));
         }
     }
-    if let Some((ensemble, seen)) = manifest.ensemble.as_ref().zip(seen) {
-        let amplitude_error = ensemble.certainty.amplitude_error_estimate;
-        let bdf = distributions(&seen.bdfs, amplitude_error, manifest.study.layer.index_out)?;
+    if let Some((whole, seen)) = manifest.whole().zip(seen) {
+        let certainty = &whole.ensemble.certainty;
+        let index_out = manifest.study.layer.index_out;
+        let bdf = distributions(&seen.bdfs, certainty.amplitude_error_estimate, index_out)?;
         all.extend([
-            ("spectra.csv", rows(manifest.spectra.whole())?, "spectra of the layer alone, and on its paper"),
+            ("spectra.csv", rows(whole.rows)?, "spectra of the layer alone, and on its paper"),
             ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
         ]);
-        all.extend(instruments(manifest.spectra.whole())?);
+        all.extend(instruments(whole.rows)?);
         all.extend(absorbed_by_layers(&manifest.absorbed)?);
-        let factor = ensemble.certainty.coverage_factor_95;
-        all.extend(ink_maker(manifest.ink_maker.as_ref(), factor)?);
+        all.extend(ink_maker(manifest.ink_maker.as_ref(), certainty.coverage_factor_95)?);
     }
-    let on_curve = manifest.slabs.iter().flat_map(|slabs| &slabs.curve_numbers);
-    let weighted: Vec<NumberNote> = manifest.numbers.iter().chain(on_curve).cloned().collect();
     all.extend(numbers_table(&weighted)?);
     all.extend(prints(manifest.prints.as_ref())?);
     all.extend(print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);

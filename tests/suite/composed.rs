@@ -1,41 +1,9 @@
 //! Composed layers as a user runs them: any thickness of one set of solves, resumed, swept, in either wave.
 
-use super::run_support::{described_tables, study, succeed};
+use super::run_support::{COMPOSED, described_tables, results, study, succeed, value};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
-
-const LAYER: &str = r#"
-title = "Composed"
-[layer]
-period_um = 0.8
-thickness_um = [1, 2, 50]
-binder.index = 1.5
-composed = { slab_um = 0.5 }
-[[pigment]]
-name = "grains"
-diameter_nm = 200
-volume_fraction = 0.15
-index = 2.0
-[paper]
-albedo = 1.0
-[light]
-wavelengths_nm = [450, 550, 650]
-[run]
-realisations = 2
-seed = 7
-[resolution]
-points_per_um = 12
-planes_per_um = 36
-"#;
-
-fn results(output: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
-}
-
-fn value(row: &Value, name: &str) -> f64 {
-    row[name]["value"].as_f64().expect("a number")
-}
 
 /// No light is lost at any thickness, all of it comes back from a perfect white, T falls with the thickness.
 fn is_sound(results: &Value) {
@@ -68,7 +36,7 @@ fn is_sound(results: &Value) {
 #[test]
 fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
     let scratch = tempfile::tempdir().unwrap();
-    let file = study(scratch.path(), LAYER);
+    let file = study(scratch.path(), COMPOSED);
     let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let first = results(&output);
@@ -81,7 +49,7 @@ fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
     }
     assert_eq!(described_tables(&output), 3);
     // other thicknesses with the same slabs need no solve
-    let other = study(scratch.path(), &LAYER.replace("[1, 2, 50]", "[1, 7]"));
+    let other = study(scratch.path(), &COMPOSED.replace("[1, 2, 50]", "[1, 7]"));
     let said = succeed(&other, &output, &[]);
     assert!(
         said.contains("already stored") && !said.contains("per hour") && !said.contains("of 0 solves"),
@@ -129,8 +97,9 @@ fn exports_are_sound(output: &Path) {
 #[test]
 fn unpolarised_light_is_composed_from_s_and_p() {
     let scratch = tempfile::tempdir().unwrap();
-    let text =
-        LAYER.replace("[light]\n", "[light]\nwave = \"unpolarised\"\n").replace("index = 2.0", "index = 1.8");
+    let text = COMPOSED
+        .replace("[light]\n", "[light]\nwave = \"unpolarised\"\n")
+        .replace("index = 2.0", "index = 1.8");
     let text = text.replace("450, 550, 650", "440, 530, 620");
     let file = study(scratch.path(), &text);
     let output = scratch.path().join("out");
@@ -142,7 +111,7 @@ fn unpolarised_light_is_composed_from_s_and_p() {
 #[test]
 fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     let scratch = tempfile::tempdir().unwrap();
-    let base = LAYER.replace("title = \"Composed\"\n", "").replace("[1, 2, 50]", "1");
+    let base = COMPOSED.replace("title = \"Composed\"\n", "").replace("[1, 2, 50]", "1");
     let base = base.replace("[[pigment]]", "[[base.pigment]]");
     let tables = ["layer", "paper", "light", "run", "resolution"];
     let base = tables.iter().fold(base, |text, t| text.replace(&format!("[{t}]"), &format!("[base.{t}]")));
@@ -174,7 +143,7 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
 #[test]
 fn a_sweep_of_both_kinds_of_layers_has_one_table() {
     let scratch = tempfile::tempdir().unwrap();
-    let base = LAYER.replace("[1, 2, 50]", "1").replace("composed = { slab_um = 0.5 }\n", "");
+    let base = COMPOSED.replace("[1, 2, 50]", "1").replace("composed = { slab_um = 0.5 }\n", "");
     let base = base.replace("[450, 550, 650]", "[400, 500, 600, 700]");
     std::fs::write(scratch.path().join("base.toml"), base).unwrap();
     let axis = "base = \"base.toml\"\n[[axis]]\nname = \"solved\"\n[[axis.case]]\nlabel = \"as a whole\"\n\

@@ -1,49 +1,20 @@
 //! Runs of composed layers that are noisy, shared, shortened or stopped.
 
-use super::run_support::{command, run, study, succeed};
+use super::run_support::{COMPOSED, command, plain, results, run, study, succeed, with};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Slabs whose solves take milliseconds; the grid is searched, and coarser for longer waves.
-const LAYER: &str = r#"
-title = "Composed"
-[layer]
-period_um = 0.8
-thickness_um = [1, 2, 50]
-binder.index = 1.5
-composed = { slab_um = 0.5 }
-[[pigment]]
-name = "grains"
-diameter_nm = 200
-volume_fraction = 0.15
-index = 2.0
-[paper]
-albedo = 1.0
-[light]
-wavelengths_nm = [430, 540, 660]
-[run]
-realisations = 2
-seed = 7
-[resolution]
-accuracy = 5e-2
-per_wavelength = true
-"#;
+/// Slabs whose grid is searched, and coarser for longer waves.
+fn searched() -> String {
+    let layer = with(COMPOSED, "[450, 550, 650]", "[430, 540, 660]");
+    with(&layer, "points_per_um = 12\nplanes_per_um = 36", "accuracy = 5e-2\nper_wavelength = true")
+}
 
 /// Longest time between a signal and the end, on a loaded machine: the promise is a second or two.
 const PROMPT: Duration = Duration::from_secs(10);
-
-fn results(output: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
-}
-
-/// What was said, without the frame and the line breaks of the terminal.
-fn said(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr).replace(['│', '×', '╰', '─', '▶'], " ");
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
 
 /// Few realisations of a masstone leave no coherent light in the mean of an inner slab: what follows
 /// from its logarithm is withheld, and the run ends. *Planted*: the logarithm taken all the same.
@@ -94,7 +65,7 @@ fn fits_of_composed_layers_on_both_sides_of_the_binder_are_refused() {
         std::fs::write(scratch.path().join(name), text).expect("written");
         scratch.path().join(name)
     };
-    put("base.toml", &LAYER.replace("[1, 2, 50]", "20").replace("realisations = 2", "realisations = 6"));
+    put("base.toml", &searched().replace("[1, 2, 50]", "20").replace("realisations = 2", "realisations = 6"));
     put("card.csv", "wavelength_nm,reflectance\n400,0.5\n700,0.6\n");
     let fit = "base = \"base.toml\"\n[[measured]]\nfile = \"card.csv\"\nbacking = 0.8\n";
     let refusal = format!("{:?}", inkwave::fit::load::load(&put("fit.toml", fit)).err());
@@ -161,7 +132,7 @@ fn an_opaque_coat_gives_kappa_where_n_is_known() {
             assert!(plan.contains("variants          60"), "{plan}");
         }
         let done = program(&[]);
-        assert!(done.status.success(), "{}", said(&done));
+        assert!(done.status.success(), "{}", plain(&done));
         let json = std::fs::read(scratch.path().join("fitted/fit.json")).expect("a fit");
         serde_json::from_slice::<Value>(&json).expect("JSON")["fit"].clone()
     };
@@ -195,7 +166,7 @@ fn solved(output: &Output) -> usize {
 #[test]
 fn processes_in_one_folder_share_a_composed_layer() {
     let scratch = tempfile::tempdir().unwrap();
-    let text = LAYER.replace("realisations = 2", "realisations = 8");
+    let text = searched().replace("realisations = 2", "realisations = 8");
     let file = study(scratch.path(), &text);
     let alone = scratch.path().join("alone");
     let all = solved(&run(&file, &alone, &[]));
@@ -203,8 +174,8 @@ fn processes_in_one_folder_share_a_composed_layer() {
     let workers = [(); 2].map(|()| start(&file, &shared));
     let ends = workers.map(|worker| worker.wait_with_output().expect("an end"));
     for end in &ends {
-        assert!(end.status.success(), "{}", said(end));
-        assert!((1..all).contains(&solved(end)), "{} of {all}: {}", solved(end), said(end));
+        assert!(end.status.success(), "{}", plain(end));
+        assert!((1..all).contains(&solved(end)), "{} of {all}: {}", solved(end), plain(end));
     }
     assert_eq!(ends.iter().map(solved).sum::<usize>(), all, "each solve is made once");
     let one = results(&alone);
@@ -220,12 +191,12 @@ fn processes_in_one_folder_share_a_composed_layer() {
 #[test]
 fn fewer_wavelengths_need_no_solve() {
     let scratch = tempfile::tempdir().unwrap();
-    let file = study(scratch.path(), LAYER);
+    let file = study(scratch.path(), &searched());
     let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let first = results(&output);
     for (list, rows) in [("[430, 660]", [0, 2]), ("[540, 660]", [1, 2]), ("[430, 540]", [0, 1])] {
-        let fewer = study(scratch.path(), &LAYER.replace("[430, 540, 660]", list));
+        let fewer = study(scratch.path(), &searched().replace("[430, 540, 660]", list));
         let said = succeed(&fewer, &output, &[]);
         assert!(said.contains("already stored") && !said.contains("per hour"), "{list}: {said}");
         let fewer = results(&output);
@@ -248,7 +219,7 @@ fn fewer_wavelengths_need_no_solve() {
 fn evaluation_hears_both_signals_and_loses_nothing() {
     use nix::sys::signal::{Signal, kill};
     let scratch = tempfile::tempdir().unwrap();
-    let text = LAYER.replace("realisations = 2", "realisations = 6");
+    let text = searched().replace("realisations = 2", "realisations = 6");
     let file = study(scratch.path(), &text);
     let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
@@ -272,7 +243,7 @@ fn evaluation_hears_both_signals_and_loses_nothing() {
         assert!(rest.contains("everything solved is kept") && rest.contains("to resume"), "{rest}");
     }
     let done = run(&file, &output, &[]);
-    assert!(done.status.success() && !said(&done).contains("per hour"), "{}", said(&done));
+    assert!(done.status.success() && !plain(&done).contains("per hour"), "{}", plain(&done));
     assert_eq!(results(&output)["spectra"], whole["spectra"]);
 }
 
@@ -282,7 +253,7 @@ fn evaluation_hears_both_signals_and_loses_nothing() {
 fn shards_of_composed_layers_are_merged() {
     let scratch = tempfile::tempdir().unwrap();
     let path = |name: &str| scratch.path().join(name).display().to_string();
-    let base = LAYER
+    let base = searched()
         .replace("realisations = 2", "realisations = 3")
         .replace("wavelengths_nm = [430, 540, 660]", "wavelengths_nm = [540]");
     std::fs::write(path("base.toml"), base).unwrap();
@@ -293,7 +264,7 @@ fn shards_of_composed_layers_are_merged() {
     let made = |arguments: &[&str]| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
         let done = command.args(arguments).output().expect("the program starts");
-        assert!(done.status.success(), "{}", said(&done));
+        assert!(done.status.success(), "{}", plain(&done));
         solved(&done)
     };
     let whole = made(&["sweep", &sweep, "--output", &path("whole")]);

@@ -2,7 +2,7 @@
 
 use inkwave::appearance::composed::flux::Hemisphere;
 use inkwave::appearance::composed::ordinates::Ordinates;
-use inkwave::evaluate::composed::numbers::projected_sr;
+use inkwave::evaluate::composed::distribution::projected_sr;
 use std::f64::consts::PI;
 
 /// The projected solid angles of all directions are ∫ cos θ dω = π, in any medium; those from which light reaches air

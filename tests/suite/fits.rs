@@ -3,14 +3,10 @@
 //! The spectra come from closed forms of a film, or from `inkwave run` on the same packings, whose solves the fit does not
 //! share: so without noise the fit must find the index itself. The errors have no other source and are pinned.
 
+mod films;
+
 use inkwave::fit::load::{FitTask, load};
 use inkwave::fit::response::Origin;
-use inkwave::fit::run::FitRun;
-use inkwave::run::RunSettings;
-use inkwave::store::folder::OutputFolder;
-use inkwave::store::marker::{Holds, PARTIAL};
-use inkwave_validation::formulas::films::{Film, amplitudes};
-use num_complex::Complex64;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -19,12 +15,7 @@ use std::process::{Command, Output};
 const GRAINS: &str = "[layer]\nperiod_um = 0.8\nthickness_um = 0.5\nbinder.index = 1.5\n[[pigment]]\nname = \"a\"\n\
                       diameter_nm = 200\nvolume_fraction = 0.2\nindex = INDEX\n[light]\nwavelengths_nm = WAVES\n\
                       [angles]\ncount = 5\n[run]\nrealisations = 6\nseed = 7\n[resolution]\npoints_per_um = 20\nplanes_per_um = 40\n";
-/// Grains so small that the layer is a film of their mean η².
-const FINE: &str = "[layer]\nperiod_um = 0.2\nthickness_um = 0.9\nbinder.index = 1.5\n[[pigment]]\nname = \"a\"\n\
-                    diameter_nm = 30\nvolume_fraction = 0.3\nindex = INDEX\n[light]\nwavelengths_nm = WAVES\n\
-                    [angles]\ncount = 5\n[run]\nrealisations = 6\nseed = 7\n[resolution]\npoints_per_um = 50\nplanes_per_um = 50\n";
 const WHITE: f64 = 0.85;
-const GREY: f64 = 0.4;
 const BLACK: f64 = 0.04;
 
 fn study(text: &str, index: &str, waves: &str) -> String {
@@ -114,182 +105,37 @@ fn assert_pinned(fit: &Value, pinned: &[(&str, &[f64])]) {
     }
 }
 
-/// R and T of a film in air at angles, and over the hemisphere.
-struct FilmInAir(Film, f64);
-
-impl FilmInAir {
-    fn at(&self, deg: f64) -> [f64; 2] {
-        amplitudes(1.0, &[self.0], 1.0.into(), self.1, deg).map(|a| a.norm_sqr())
-    }
-
-    /// Means over Lambertian light: ∫ R d(sin²θ), by the midpoint rule.
-    fn mean(&self) -> [f64; 2] {
-        let count = 20_000;
-        let mut sums = [0.0; 2];
-        for k in 0..count {
-            let deg = ((f64::from(k) + 0.5) / f64::from(count)).sqrt().asin().to_degrees();
-            let [r, t] = self.at(deg);
-            sums = [sums[0] + r, sums[1] + t];
-        }
-        sums.map(|sum| sum / f64::from(count))
-    }
-
-    /// What an instrument reads of the film over a Lambertian card, with a gap: what passes the film, and is sent back and
-    /// forth between card and film.
-    fn on_card(&self, albedo: f64, geometry: &str) -> f64 {
-        let [r_mean, t_mean] = self.mean();
-        let series = albedo / (1.0 - albedo * r_mean);
-        let [r_normal, t_normal] = self.at(0.0);
-        match geometry {
-            "45:0" => self.at(45.0)[1] * series * t_normal,
-            // reciprocal: lit at 8°, all light collected
-            "d:8" => self.at(8.0)[0] + self.at(8.0)[1] * series * t_mean,
-            "d:8 excluded" => self.at(8.0)[1] * series * t_mean,
-            "transmittance" => t_normal,
-            _ => r_normal + t_mean * series * t_normal,
-        }
-    }
-}
-
-/// The film of the mean η² of binder and pigment.
-fn mean_film(pigment: Complex64, share: f64, thickness_um: f64) -> Film {
-    let square = (1.0 - share) * 1.5 * 1.5 + share * pigment * pigment;
-    Film { index: square.sqrt(), thickness_um }
-}
-
-/// The task of a fit of `FINE` at two wavelengths, with spectra of a film on cards in some geometries.
-fn film_task(folder: &Path, pigment: Complex64, cards: &[(f64, &str)], more: &str) -> FitTask {
-    film_task_at(&[500.0, 620.0], folder, pigment, cards, more)
-}
-
-fn film_task_at(
-    waves_nm: &[f64],
-    folder: &Path,
-    pigment: Complex64,
-    cards: &[(f64, &str)],
-    more: &str,
-) -> FitTask {
-    let mut fit = format!("base = \"base.toml\"\n{more}");
-    for (k, &(albedo, geometry)) in cards.iter().enumerate() {
-        let value = |nm: f64| FilmInAir(mean_film(pigment, 0.3, 0.9), 1e-3 * nm).on_card(albedo, geometry);
-        let column = if geometry == "transmittance" { geometry } else { "reflectance" };
-        let rows: Vec<[f64; 2]> = waves_nm.iter().map(|&nm| [nm, value(nm)]).collect();
-        write_column(&folder.join(format!("{k}.csv")), column, &rows);
-        fit += &measured(&format!("{k}.csv"), albedo, geometry);
-    }
-    let waves = format!("{waves_nm:?}");
-    std::fs::write(folder.join("base.toml"), study(FINE, "1.6", &waves)).expect("written");
-    std::fs::write(folder.join("fit.toml"), fit).expect("written");
-    load(&folder.join("fit.toml")).expect("sound")
-}
-
-const GEOMETRIES: [(f64, &str); 6] = [
-    (WHITE, "45:0"),
-    (BLACK, "45:0"),
-    (WHITE, "d:8"),
-    (BLACK, "d:8"),
-    (WHITE, "natural"),
-    (BLACK, "natural"),
-];
-
-/// *Planted*: a sphere's instrument at 45°, a uniform sky without what the surface mirrors, a sphere without
-/// specular light with it, and what passes the layer with its card.
-#[test]
-fn instruments_read_a_film_on_a_card_as_closed_forms_do() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let pigment = Complex64::new(1.75, 0.06);
-    let all = [&GEOMETRIES[..], &[(WHITE, "d:8 excluded"), (WHITE, "transmittance")]].concat();
-    let task = film_task(folder.path(), pigment, &all, "");
-    let index = [[pigment.re, pigment.im]; 2];
-    let seen = Origin::Film.spectra(&task, &task.measured, &index, ([0.0; 2], 0.0)).expect("spectra");
-    for (drawdown, seen) in task.measured.iter().zip(seen) {
-        let expected = drawdown.values.as_ref().expect("values");
-        for (a, b) in seen.values.iter().zip(expected) {
-            // the midpoint rule
-            assert!((a - b).abs() < 1e-5, "{}, {:?}: {a} for {b}", drawdown.name, drawdown.geometry);
-        }
-    }
-}
-
-/// A thickness keeps the relative spread of the base, and a factor on all thicknesses does, too. *Planted*: either
-/// without.
-#[test]
-fn the_spread_of_a_thickness_goes_with_the_thickness() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let uneven = |mean: f64, std: f64| {
-        let task = film_task(folder.path(), Complex64::new(1.75, 0.06), &GEOMETRIES[..1], "");
-        let layer = format!("thickness_um = {{ mean = {mean}, std = {std} }}");
-        let text = study(FINE, "1.6", "[500, 620]").replace("thickness_um = 0.9", &layer);
-        std::fs::write(folder.path().join("base.toml"), text).expect("written");
-        drop(task);
-        load(&folder.path().join("fit.toml")).expect("sound")
-    };
-    let task = uneven(0.6, 0.06);
-    let index = [[1.75, 0.06]; 2];
-    let seen = |task: &FitTask, log: f64| {
-        let all = Origin::Film.spectra(task, &task.measured, &index, ([0.0; 2], log)).expect("spectra");
-        all[0].values.clone()
-    };
-    let twice = seen(&uneven(1.2, 0.12), 0.0);
-    let factor = seen(&task, 2.0_f64.ln());
-    assert!(twice.iter().zip(&factor).all(|(a, b)| (a - b).abs() < 1e-9), "{twice:?} {factor:?}");
-    let fit = std::fs::read_to_string(folder.path().join("fit.toml")).expect("a fit");
-    drop(uneven(0.6, 0.06));
-    std::fs::write(folder.path().join("fit.toml"), fit + "thickness_um = 1.2\n").expect("written");
-    let own = load(&folder.path().join("fit.toml")).expect("sound");
-    assert!((own.coats[0].variation.thickness_std_um - 0.12).abs() < 1e-12);
-}
-
-/// A density in a narrow band about 500 nm.
-const DENSITY: &str = "[[number]]\nname = \"density\"\nweights = { csv = \"band.csv\" }\nof = \"lit_at_45\"\ntransform = \"density\"\n";
-
-/// An independent truth: Airy's and Fresnel's formulas for the film of the mean η², which grains of 30 nm are; of a grey card
-/// there is a density alone. *Planted*: the density of another card (χ² finds it).
-#[test]
-fn a_film_gives_the_index_of_its_pigment_back() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let truth = Complex64::new(1.75, 0.06);
-    drop(film_task_at(&[500.0, 560.0, 620.0], folder.path(), truth, &GEOMETRIES, ""));
-    let fit = std::fs::read_to_string(folder.path().join("fit.toml")).expect("a fit");
-    let density = -FilmInAir(mean_film(truth, 0.3, 0.9), 0.5).on_card(GREY, "45:0").log10();
-    let number = format!("[[measured.number]]\nname = \"density\"\nvalue = {density}\nerror = 0.003\n");
-    let fit = fit.replace("base = \"base.toml\"\n", "")
-        + &format!("[[measured]]\nbacking = {GREY}\n{number}[fit]\nprior = \"smooth\"\n");
-    let base = std::fs::read_to_string(folder.path().join("base.toml")).expect("a base") + DENSITY;
-    let band = "wavelength_nm,weight\n499.5,0\n500,1\n500.5,0\n";
-    std::fs::write(folder.path().join("band.csv"), band).expect("written");
-    let (said, found) = fitted(folder.path(), &base, &fit);
-    let fit = &found["fit"];
-    // 95 %: there is no noise, but grains scatter and keep a distance from the faces
-    assert_found(fit, [truth.re, truth.im], 1.96);
-    assert_eq!(
-        (fit["n_is_determined"].as_bool(), fit["trust"].as_str()),
-        (Some(true), Some("consistent")),
-        "{said}"
-    );
-    let number = &fit["numbers"][0];
-    let of = |key: &str| number[key].as_f64().expect(key);
-    assert!((of("fitted") - density).abs() < 2.0 * of("sigma") && of("sigma") < 0.03, "{number}");
-}
-
-/// Runs a study on a white and a black card, and gives the `[[measured]]` tables of its spectra in two geometries.
-fn on_both_cards(folder: &Path, truth: &str) -> String {
+/// Runs a study on cards, and gives the `[[measured]]` tables of its spectra in these geometries.
+fn on_cards(folder: &Path, truth: &str, cards: &[(&str, &str)]) -> String {
     let mut tables = String::new();
-    for (file, backing) in [("white", WHITE), ("black", BLACK)] {
-        for (geometry, column) in [("45:0", "lit_at_45"), ("natural", "natural_light")] {
-            let file = format!("{file}-{column}.csv");
-            write_spectrum(&folder.join(&file), &spectrum(folder, truth, backing, column));
-            tables += &measured(&file, backing, geometry);
-        }
+    for (card, geometry) in cards {
+        let backing = if *card == "white" { WHITE } else { BLACK };
+        let column = if *geometry == "45:0" { "lit_at_45" } else { "natural_light" };
+        let file = format!("{card}-{column}.csv");
+        write_spectrum(&folder.join(&file), &spectrum(folder, truth, backing, column));
+        tables += &measured(&file, backing, geometry);
     }
     tables
+}
+
+/// Both cards in both geometries.
+const ALL_CARDS: [(&str, &str); 4] =
+    [("white", "45:0"), ("white", "natural"), ("black", "45:0"), ("black", "natural")];
+/// The fewest that may tell n from κ.
+const TWO_CARDS: [(&str, &str); 2] = [("white", "45:0"), ("black", "natural")];
+
+/// What the film of a task predicts of its first drawdown at two wavelengths of one index, with the logarithm of a factor on
+/// all thicknesses.
+fn predicted(task: &FitTask, index: [f64; 2], log_thickness: f64) -> Vec<f64> {
+    let all = Origin::Film.spectra(task, &task.measured, &[index; 2], ([0.0; 2], log_thickness));
+    all.expect("spectra")[0].values.clone()
 }
 
 /// The fit of grains whose spectra were run on the same packings.
 fn grains(folder: &Path) -> (String, Value) {
     let waves = "[500, 560, 620]";
     let truth = study(GRAINS, "{ n = 1.75, k = 0.05 }", waves);
-    let fit = on_both_cards(folder, &truth);
+    let fit = on_cards(folder, &truth, &ALL_CARDS);
     fitted(folder, &study(GRAINS, "1.6", waves), &(fit + "[fit]\nprior = \"smooth\"\nnoise = 0.002\n"))
 }
 
@@ -353,7 +199,7 @@ fn a_layer_of_a_stack_gives_its_pigments_index_back() {
     let scratch = tempfile::tempdir().expect("a folder");
     let folder = scratch.path();
     let truth = study(STACK, "{ n = 1.75, k = 0.05 }", "[500, 600]");
-    let fit = on_both_cards(folder, &truth);
+    let fit = on_cards(folder, &truth, &ALL_CARDS);
     let settings = "[fit]\npigment = \"base.a\"\nprior = \"smooth\"\nnoise = 0.002\n";
     let (_, found) = fitted(folder, &study(STACK, "1.6", "[500, 600]"), &(fit + settings));
     // no noise, and the same cells: the prior alone pulls
@@ -367,15 +213,12 @@ fn a_layer_of_a_stack_gives_its_pigments_index_back() {
         std::fs::write(folder.join("fit.toml"), text).expect("written");
         load(&folder.join("fit.toml"))
     };
-    let index = [[1.75, 0.05]; 2];
-    let seen = |task: &FitTask, log: f64| {
-        let all = Origin::Film.spectra(task, &task.measured, &index, ([0.0; 2], log)).expect("spectra");
-        all[0].values.clone()
-    };
+    let index = [1.75, 0.05];
     let whole = read("").expect("sound");
     let thick = read("thickness_um = 0.6\nvolume_fraction = 0.2\n").expect("sound");
     assert!((thick.coats[0].layer.thickness_um - 0.9).abs() < 1e-12);
-    let [written, factor] = [seen(&thick, 0.0), seen(&whole, 1.5_f64.ln())];
+    let written = predicted(&thick, index, 0.0);
+    let factor = predicted(&whole, index, 1.5_f64.ln());
     assert!(written.iter().zip(&factor).all(|(a, b)| (a - b).abs() < 1e-12), "{written:?} {factor:?}");
     // names and keys that a stack has not
     let several = std::fs::read_to_string(folder.join("fit.toml")).expect("a fit").replace("base.a", "a");
@@ -405,10 +248,7 @@ fn unpolarised_light_gives_the_index_back_at_one_wavelength() {
     let small = small.replace("[layer]\n", "[layer]\ncell = \"fixed\"\n");
     let small = small.replace("[light]\n", "[light]\nwave = \"unpolarised\"\n");
     let truth = study(&small, "{ n = 1.75, k = 0.05 }", "[560]");
-    write_spectrum(&folder.join("white.csv"), &spectrum(folder, &truth, WHITE, "lit_at_45"));
-    write_spectrum(&folder.join("black.csv"), &spectrum(folder, &truth, BLACK, "natural_light"));
-    let fit = measured("white.csv", WHITE, "45:0") + &measured("black.csv", BLACK, "natural");
-    let fit = fit + "[fit]\nnoise = 0.001\n";
+    let fit = on_cards(folder, &truth, &TWO_CARDS) + "[fit]\nnoise = 0.001\n";
     let (_, found) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
     assert_found(&found["fit"], [1.75, 0.05], 0.2);
     let (said, again) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
@@ -423,9 +263,7 @@ fn two_solutions_are_found_drawn_and_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let truth = study(GRAINS, "{ n = 1.7, k = 0.01 }", "[560]");
-    write_spectrum(&folder.join("white.csv"), &spectrum(folder, &truth, WHITE, "lit_at_45"));
-    write_spectrum(&folder.join("black.csv"), &spectrum(folder, &truth, BLACK, "lit_at_45"));
-    let fit = measured("white.csv", WHITE, "45:0") + &measured("black.csv", BLACK, "45:0");
+    let fit = on_cards(folder, &truth, &[("white", "45:0"), ("black", "45:0")]);
     let (said, found) =
         fitted(folder, &study(GRAINS, "1.6", "[560]"), &(fit + "[fit]\nnoise = 0.001\nn = [1.4, 1.9]\n"));
     let fit = &found["fit"];
@@ -451,26 +289,10 @@ fn an_index_outside_the_searched_range_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let truth = study(GRAINS, "{ n = 1.75, k = 0.05 }", "[560]");
-    write_spectrum(&folder.join("white.csv"), &spectrum(folder, &truth, WHITE, "lit_at_45"));
-    write_spectrum(&folder.join("black.csv"), &spectrum(folder, &truth, BLACK, "natural_light"));
-    let fit = measured("white.csv", WHITE, "45:0") + &measured("black.csv", BLACK, "natural");
-    let fit = fit + "[fit]\nnoise = 0.001\nn = [1.52, 1.7]\nkappa = [0.0, 0.3]\n";
+    let fit =
+        on_cards(folder, &truth, &TWO_CARDS) + "[fit]\nnoise = 0.001\nn = [1.52, 1.7]\nkappa = [0.0, 0.3]\n";
     let (said, found) = fitted(folder, &study(GRAINS, "1.6", "[560]"), &fit);
     assert_eq!(found["fit"]["index"][0]["outside_search"], true, "{found}");
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("lies outside fit.n = [1.52, 1.7]"), "{said}");
-}
-
-/// Results of another input do not outlive the start of new work.
-#[test]
-fn a_fit_that_begins_removes_earlier_results() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let task = film_task(folder.path(), Complex64::new(1.75, 0.06), &GEOMETRIES[..2], "");
-    let out = OutputFolder::open(&folder.path().join("fit"), Holds::Fit).expect("a folder");
-    let old = ["fit.json", "pigment.csv", "pigment-other.csv", "report.html"];
-    old.iter().for_each(|name| out.write(name, b"old").expect("written"));
-    // stopped right after the packings
-    let settings = RunSettings::default();
-    drop(FitRun::new(&task, &out, settings, &()).expect("begun"));
-    assert!(old.iter().all(|name| !out.path().join(name).exists()) && out.path().join(PARTIAL).exists());
 }

@@ -1,6 +1,6 @@
 //! Errors stated in a table of indices reach every bar; faults in rows that no wavelength needs block no file.
 
-use crate::run_support::{run, study, succeed};
+use crate::run_support::{results, run, study, succeed};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -39,10 +39,6 @@ const ROWS: [[f64; 6]; 3] = [
     [550.0, 1.70, 0.06, 0.08, 0.015, -0.90],
     [700.0, 1.65, 0.03, 0.05, 0.010, 0.40],
 ];
-
-fn results(folder: &Path) -> Value {
-    serde_json::from_slice(&fs::read(folder.join("results.json")).unwrap()).unwrap()
-}
 
 /// The results of a study with this table, in a folder that keeps the solves of other tables at hand.
 fn with_table(folder: &Path, name: &str, text: &str, table: &str) -> (Value, String) {

@@ -1,7 +1,9 @@
 //! Libraries of plates: a composed stack is what a run of that stack gives, in the program, in the page's engine and in Python;
 //! and what does not fit together is refused.
 
-use super::run_support::{study, succeed};
+mod refusals;
+
+use super::run_support::{results, study, succeed, value};
 use inkwave::evaluate::composed::composition::{Composition, compose};
 use inkwave::evaluate::composed::library::Library;
 use serde_json::{Value, json};
@@ -55,23 +57,24 @@ fn inkwave(words: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_inkwave")).args(words).current_dir(folder).output().expect("runs")
 }
 
-/// What a command that must fail says.
-fn refused(words: &[&str], folder: &Path) -> String {
+/// Carries out a command that must succeed.
+fn carried_out(words: &[&str], folder: &Path) {
     let done = inkwave(words, folder);
-    assert!(!done.status.success(), "{words:?}");
-    String::from_utf8_lossy(&done.stderr)
-        .split_whitespace()
-        .filter(|word| *word != "│")
-        .collect::<Vec<_>>()
-        .join(" ")
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+fn library_of(path: &Path) -> Library {
+    Library::read(&std::fs::read_to_string(path).expect("a file")).expect("a library")
 }
 
 fn read(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON")
 }
 
-fn composition(value: Value) -> Composition {
-    serde_json::from_value(value).expect("a composition")
+/// What a library gives for a composition.
+fn composed(library: &Library, composition: Value) -> Value {
+    let composition: Composition = serde_json::from_value(composition).expect("a composition");
+    serde_json::to_value(compose(library, &composition).expect("composed")).expect("JSON")
 }
 
 /// The stack of the run itself, composed of its plates, of slabs that are whole and in part: all numbers are the run's. The
@@ -81,15 +84,12 @@ fn a_composition_is_the_run_of_its_stack() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
     succeed(&study(folder, PLATES), &folder.join("out"), &[]);
-    let done = inkwave(&["library", "out", "--output", "library.json", "--page", "page.html"], folder);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let library =
-        Library::read(&std::fs::read_to_string(folder.join("library.json")).unwrap()).expect("a library");
-    let run = read(&folder.join("out/results.json"));
+    carried_out(&["library", "out", "--output", "library.json", "--page", "page.html"], folder);
+    let library = library_of(&folder.join("library.json"));
+    let run = results(&folder.join("out"));
     for (k, um) in [1.0, 2.3].into_iter().enumerate() {
         let layers = json!([{ "plate": "red" }, { "plate": "white", "thickness_um": um }]);
-        let found = compose(&library, &composition(json!({ "layers": layers, "paper": { "albedo": 0.8 } })));
-        let found = serde_json::to_value(found.expect("composed")).unwrap();
+        let found = composed(&library, json!({ "layers": layers, "paper": { "albedo": 0.8 } }));
         let rows = run["spectra"].as_array().expect("rows");
         let rows: Vec<&Value> = rows.iter().filter(|row| row["thickness_um"] == um).collect();
         assert_eq!(rows.len(), 4, "{um}");
@@ -127,8 +127,7 @@ fn stacks_of_made_up_plates_are_those_of_numpy() {
     let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
     assert_eq!(golden.len(), 36);
     for one in golden {
-        let found = compose(&library, &composition(one["composition"].clone())).expect("composed");
-        let found = serde_json::to_value(found).unwrap();
+        let found = composed(&library, one["composition"].clone());
         for (name, numbers) in one["numbers"].as_object().expect("numbers") {
             let own: Vec<&Value> = match name.as_str() {
                 "lab_natural_light" => found["colours"]["natural_light"].as_array().unwrap().iter().collect(),
@@ -164,28 +163,26 @@ fn a_brightened_print_in_dots_is_that_of_the_run() {
     let text = PLATES.replace("[paper]\nalbedo = 0.8\n", &paper).replace("[1, 2.3]", "1")
         + "[dots]\nruling_per_cm = 60\nspread_um = 40\n[[area]]\ncoverage = 0.4\n";
     succeed(&study(folder, &text), &folder.join("out"), &[]);
-    let done = inkwave(&["library", "out", "--output", "library.json"], folder);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let library =
-        Library::read(&std::fs::read_to_string(folder.join("library.json")).unwrap()).expect("a library");
-    let run = read(&folder.join("out/results.json"));
+    carried_out(&["library", "out", "--output", "library.json"], folder);
+    let library = library_of(&folder.join("library.json"));
+    let run = results(&folder.join("out"));
     let fluorescence = json!({
         "excitation": [[415, 0], [430, 0.5], [480, 0]],
         "emission": [[450, 0], [500, 1], [600, 0]],
         "yield": 0.6
     });
-    let composed = |illuminant: &str, condition: Option<&str>| {
-        let value = json!({
+    let printed = |illuminant: &str, condition: Option<&str>| {
+        let print = json!({
             "layers": [{ "plate": "red" }, { "plate": "white", "thickness_um": 1.0 }],
             "paper": { "albedo": 0.8, "fluorescence": fluorescence },
             "dots": { "coverage": 0.4, "ruling_per_cm": 60, "spread_um": 40 },
             "illuminant": illuminant,
             "condition": condition,
         });
-        serde_json::to_value(compose(&library, &composition(value)).expect("composed")).unwrap()
+        composed(&library, print)
     };
     let number = |value: &Value| value["value"].as_f64().expect("a number");
-    let daylight = composed("D65", None);
+    let daylight = printed("D65", None);
     let rows = run["spectra"].as_array().expect("rows");
     for (own, row) in daylight["spectra"].as_array().expect("rows").iter().zip(rows) {
         for name in ["natural_light", "lit_at_45", "over_black"] {
@@ -198,7 +195,7 @@ fn a_brightened_print_in_dots_is_that_of_the_run() {
     for condition in ["M0", "M1", "M2"] {
         let is_own = |print: &&Value| print["condition"] == condition && print["nominal"] == 0.4;
         let print = prints.iter().find(is_own).expect("a print");
-        let own = &composed("D50", Some(condition))["dots"];
+        let own = &printed("D50", Some(condition))["dots"];
         for (own, factor) in
             own["factors"].as_array().unwrap().iter().zip(print["factors"].as_array().unwrap())
         {
@@ -222,24 +219,21 @@ fn a_brightened_print_in_dots_is_that_of_the_run() {
 #[test]
 fn dots_of_every_ink_are_neugebauers_mean() {
     let library = Library::read(&data("library.json")).expect("a library");
-    let composed = |value: Value| {
-        serde_json::to_value(compose(&library, &composition(value)).expect("composed")).unwrap()
-    };
     let factors = |found: &Value| -> Vec<f64> {
         let all = found["dots"]["factors"].as_array().expect("factors");
         all.iter().map(|factor| factor["value"].as_f64().unwrap()).collect()
     };
     let solid = |names: &[&str]| -> Vec<f64> {
         let layers: Vec<Value> = names.iter().map(|name| json!({ "plate": name })).collect();
-        let found = composed(json!({ "layers": layers, "paper": { "albedo": 0.7 } }));
+        let found = composed(&library, json!({ "layers": layers, "paper": { "albedo": 0.7 } }));
         let rows = found["spectra"].as_array().unwrap();
-        rows.iter().map(|row| row["lit_at_45"]["value"].as_f64().unwrap()).collect()
+        rows.iter().map(|row| value(row, "lit_at_45")).collect()
     };
     let [a, b] = [0.3, 0.6];
     let layers =
         json!([{ "plate": "light" }, { "plate": "red", "coverage": a }, { "plate": "white", "coverage": b }]);
     let screen = json!({ "ruling_per_cm": 60, "spread_um": 0 });
-    let found = composed(json!({ "layers": layers, "paper": { "albedo": 0.7 }, "dots": screen }));
+    let found = composed(&library, json!({ "layers": layers, "paper": { "albedo": 0.7 }, "dots": screen }));
     let parts = [
         ((1.0 - a) * (1.0 - b), solid(&["light"])),
         (a * (1.0 - b), solid(&["light", "red"])),
@@ -252,7 +246,7 @@ fn dots_of_every_ink_are_neugebauers_mean() {
         assert!((factor - mean).abs() < 1e-12, "{factor} {mean}");
     }
     let none = json!([{ "plate": "light", "coverage": 0.0 }]);
-    let found = composed(json!({ "layers": none, "paper": { "albedo": 0.7 }, "dots": screen }));
+    let found = composed(&library, json!({ "layers": none, "paper": { "albedo": 0.7 }, "dots": screen }));
     assert!(factors(&found).into_iter().all(|factor| (factor - 0.7).abs() < 1e-15));
 }
 
@@ -273,16 +267,13 @@ fn a_run_gives_its_plates_alone() {
         .expect("a layer");
     let rest = PLATES.split_once("[paper]").expect("a paper").1;
     std::fs::write(folder.join("study.toml"), format!("{one}[paper]{rest}")).unwrap();
-    let done = inkwave(&["run", "study.toml", "--library"], folder);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    carried_out(&["run", "study.toml", "--library"], folder);
     let out = folder.join("out/study-plates");
     assert!(!out.join("report.html").exists() && !out.join("results.json").exists());
-    let library =
-        Library::read(&std::fs::read_to_string(out.join("library.json")).unwrap()).expect("a library");
+    let library = library_of(&out.join("library.json"));
     assert_eq!(library.joint.index, 1.5);
     assert_eq!(library.plates[0].name, "Plates");
-    let done = inkwave(&["library", "out/study-plates", "--output", "all.json"], folder);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    carried_out(&["library", "out/study-plates", "--output", "all.json"], folder);
     assert_eq!(read(&folder.join("all.json")), read(&out.join("library.json")));
 }
 
@@ -307,105 +298,5 @@ fn page_and_python_compose_as_the_program() {
         let said =
             [&done.stdout, &done.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
         assert!(done.status.success(), "{said}");
-    }
-}
-
-/// Files that are no library or do not fit together, and runs without plates, with what is allowed instead.
-#[test]
-fn libraries_that_do_not_fit_are_refused() {
-    let scratch = tempfile::tempdir().unwrap();
-    let folder = scratch.path();
-    let library = data("library.json");
-    std::fs::write(folder.join("library.json"), &library).unwrap();
-    let changed = |name: &str, change: &dyn Fn(&mut Value)| {
-        let mut value: Value = serde_json::from_str(&library).unwrap();
-        change(&mut value);
-        std::fs::write(folder.join(name), value.to_string()).unwrap();
-    };
-    changed("newer.json", &|value| value["inkwave_library"] = json!(3));
-    changed("method.json", &|value| value["method"] = json!(9));
-    changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
-    changed("less.json", &|value| {
-        drop(value["plates"][0]["portions"][0]["states"].as_array_mut().unwrap().pop())
-    });
-    changed("named.json", &|value| value["plates"][0]["thickness_um"] = json!(0.6));
-    changed("cut.json", &|value| value["plates"][0]["portions"][0]["states"][0]["mean"] = json!("AAAA"));
-    std::fs::write(folder.join("text.json"), "no library").unwrap();
-    let libraries = [
-        ("newer.json", "found form 3; allowed up to 2"),
-        ("method.json", "method: found 9; allowed 11"),
-        ("less.json", "incomplete"),
-        ("cut.json", "incomplete"),
-        ("text.json", "found no library"),
-        ("missing.json", "missing.json"),
-        (
-            "other.json",
-            "wavelengths_nm: found [425.0, 500.0, 580.0, 660.0] nm; allowed [420.0, 500.0, 580.0, 660.0] nm",
-        ),
-        ("named.json", "different plates of this name"),
-    ];
-    for (name, words) in libraries {
-        let said = refused(&["library", "library.json", name, "--output", "all.json"], folder);
-        assert!(said.contains(words), "{name}: {said}");
-    }
-    let thin = PLATES
-        .replace("composed = { joint_index = 1.5, slab_um = 0.5 }\n", "")
-        .replace("slab_um = 0.5\n", "");
-    succeed(&study(folder, &thin.replace("[1, 2.3]", "0.3")), &folder.join("thin"), &[]);
-    let said = refused(&["library", "thin"], folder);
-    assert!(said.contains("holds no plates") && said.contains("joint_index"), "{said}");
-}
-
-/// Compositions that a library cannot answer, with what is allowed instead.
-#[test]
-fn compositions_that_do_not_fit_are_refused() {
-    let scratch = tempfile::tempdir().unwrap();
-    let folder = scratch.path();
-    std::fs::write(folder.join("library.json"), data("library.json")).unwrap();
-    let compositions = [
-        ("layers = []", "layers: found none"),
-        (
-            "layers = [{ plate = 'gold' }]",
-            "layers[0].plate: found \"gold\"; allowed are red, light, white, pale",
-        ),
-        ("layers = [{ plate = 'red', thickness_um = 0.7 }]", "found 0.7 µm of \"red\"; allowed 0.5"),
-        ("layers = [{ plate = 'white', thickness_um = 0.6 }]", "allowed from 1 µm, two slabs"),
-        ("layers = [{ plate = 'red' }]\npaper = { albedo = 1.2 }", "paper.albedo"),
-        ("layers = [{ plate = 'red' }]\nilluminant = 'F99'", "F99"),
-        ("layers = [{ plate = 'red' }]\ncolour = 1", "colour"),
-        ("layers = [{ plate = 'red', coverage = 0.5 }]", "layers[0].coverage: found one without a screen"),
-        (
-            "layers = [{ plate = 'red', coverage = 0.5 }]\ndots = { coverage = 0.5, ruling_per_cm = 60, spread_um = 0 }",
-            "dots.coverage: found one beside layers[0].coverage",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\ndots = { ruling_per_cm = 60, spread_um = 0 }",
-            "dots.coverage: found 0 coverages",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation = [[330, 0], [365, 0.5], [420, 0]], emission = [[420, 0], [440, 1], [480, 0]], yield = 0.5 }",
-            "found excitation from 330 nm, a library from 420 nm; allowed is a library that holds the light that excites",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation = [[420, 0.9], [440, 0.9]], emission = [[450, 1], [480, 1]], yield = 2 }",
-            "paper.fluorescence.yield: found 2; allowed 0 to 1",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation_nm = [420, 440], emission_nm = [450, 500], factors = [[0.5, 0.5], [0.5, 0.5]] }",
-            "quanta reflected and emitted for each that comes in; allowed at most 1",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\ncondition = 'M3'\npaper.fluorescence = { excitation = [[420, 0.1], [440, 0.1]], emission = [[450, 1], [480, 1]], yield = 0.5 }",
-            "condition: found M3; allowed M0, M1, M2",
-        ),
-        (
-            "layers = [{ plate = 'red' }]\ndots = { coverage = 2, ruling_per_cm = 60, spread_um = 0 }",
-            "dots.coverage: found 2",
-        ),
-    ];
-    for (text, words) in compositions {
-        std::fs::write(folder.join("one.toml"), text).unwrap();
-        let said = refused(&["compose", "one.toml"], folder);
-        assert!(said.contains(words), "{words}: {said}");
     }
 }

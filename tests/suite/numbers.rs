@@ -1,16 +1,12 @@
 //! Weighted numbers of whole studies: in `results.json`, tables and pages, of thin and composed layers and in sweeps.
 
-use crate::run_support::{TINY, study, succeed};
+use crate::run_support::{TINY, results, study, succeed};
 use inkwave_validation::formulas::films::{Film, amplitudes};
 use num_complex::Complex64;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-
-fn results(folder: &Path) -> Value {
-    serde_json::from_slice(&fs::read(folder.join("results.json")).unwrap()).unwrap()
-}
 
 fn number(results: &Value, name: &str) -> [f64; 2] {
     let all = results["numbers"].as_array().unwrap();

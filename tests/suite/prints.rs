@@ -4,9 +4,9 @@ mod areas;
 mod characterisation;
 mod papers;
 
-use super::run_support::{TINY, described_tables, succeed};
+use super::run_support::{TINY, described_tables, results, succeed};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const DOTS: &str =
     "[dots]\nruling_per_cm = 60\nspread_um = 40\nphysical_gain = 0.05\n[[area]]\ncoverage = [0.25, 0.5]\n";
@@ -66,13 +66,8 @@ impl Place {
         std::fs::write(&file, text).expect("written");
         let output = self.output(name);
         succeed(&file, &output, &[]);
-        read(&output)
+        results(&output)
     }
-}
-
-/// The `results.json` of a folder.
-fn read(output: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
 }
 
 fn lab(value: &Value) -> [f64; 3] {

@@ -1,6 +1,6 @@
 //! The jackknife replicates of published numbers: the errors by chance follow from them.
 
-use super::run_support::TINY;
+use super::run_support::{COMPOSED, TINY, with};
 use inkwave::evaluate::composed::summary::summarise_slabs;
 use inkwave::evaluate::seen::see;
 use inkwave::evaluate::summary::summarise;
@@ -58,36 +58,13 @@ fn every_number_of_a_spectrum_has_its_replicates() {
     }
 }
 
-const LAYER: &str = r#"
-title = "Composed"
-[layer]
-period_um = 0.8
-thickness_um = [1, 2]
-binder.index = 1.5
-composed = { slab_um = 0.5 }
-[[pigment]]
-name = "grains"
-diameter_nm = 200
-volume_fraction = 0.15
-index = 2.0
-[paper]
-albedo = 1.0
-[light]
-wavelengths_nm = [450, 550]
-[run]
-realisations = 2
-seed = 7
-[resolution]
-points_per_um = 12
-planes_per_um = 36
-"#;
-
 /// Of a composed layer, the variances of all portions add up to the chance of a number; without one of
 /// them there are none. *Planted*: the replicates of one portion left out; what is there taken for all.
 #[test]
 fn the_chance_of_a_composed_layer_is_that_of_its_replicates() {
     let scratch = tempfile::tempdir().unwrap();
-    let (study, folder) = loaded(LAYER, scratch.path());
+    let layer = with(&with(COMPOSED, "[1, 2, 50]", "[1, 2]"), "[450, 550, 650]", "[450, 550]");
+    let (study, folder) = loaded(&layer, scratch.path());
     let solved = run_portions(&study, &folder, RunSettings::default(), &()).unwrap().solved;
     let manifest = summarise_slabs(&study, &solved).unwrap();
     // while it is solved, portions of which nothing is stored are missing

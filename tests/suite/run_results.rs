@@ -1,12 +1,8 @@
 //! What a finished run leaves behind.
 
-use crate::run_support::{TINY, described_tables, study, succeed};
+use crate::run_support::{TINY, described_tables, results, study, succeed};
 use serde_json::Value;
 use std::path::Path;
-
-fn results(folder: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(folder.join("results.json")).unwrap()).unwrap()
-}
 
 #[test]
 fn a_finished_run_leaves_numbers_tables_picture_and_page() {

@@ -1,7 +1,6 @@
 //! Stacks that are lists of plates, as a user runs them.
 
-use super::run_support::{study, succeed};
-use serde_json::Value;
+use super::run_support::{results, study, succeed, value};
 use std::path::Path;
 
 /// A clear varnish, an ink that is solved as a whole, and a white in slabs, which has several thicknesses.
@@ -43,14 +42,6 @@ seed = 7
 points_per_um = 12
 planes_per_um = 24
 "#;
-
-fn results(output: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
-}
-
-fn value(row: &Value, name: &str) -> f64 {
-    row[name]["value"].as_f64().expect("a number")
-}
 
 /// What the light at 0° loses is what the layers absorb, the varnish and the white nothing; a thicker white passes less;
 /// other thicknesses need no further solve; and the file says what became of every layer.

@@ -1,18 +1,11 @@
 //! What a study may ask for beyond grains of one pigment between plane walls: reliefs, mixtures, spectral paper.
 
-use crate::run_support::{TINY, study, succeed};
+use crate::run_support::{TINY, results_of, study, succeed};
 use inkwave::input::load::load;
 use inkwave::store::{PointRecord, Record, Store};
 use inkwave::wave::Side;
 use serde_json::Value;
 use std::path::Path;
-
-/// Runs a study in its own folder and reads its results.
-fn results(folder: &Path, text: &str) -> Value {
-    let out = folder.join("out");
-    succeed(&study(folder, text), &out, &[]);
-    serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap()
-}
 
 /// Every solve's record.
 fn points(folder: &Path) -> Vec<PointRecord> {
@@ -33,7 +26,7 @@ fn both_ways_agree(relief: &str) {
     let relief = TINY
         .replace("binder.index", &format!("relief = {{ {relief} }}\nbinder.index"))
         .replace("realisations = 2", "realisations = 6");
-    let results = results(folder.path(), &relief);
+    let results = results_of(folder.path(), &relief);
     assert_eq!(results["solves"]["finished"], 6 * 4 * (3 + 1));
     let certainty = &results["certainty"];
     assert!(certainty["largest_energy_error"].as_f64().unwrap() < 1e-5);
@@ -55,13 +48,13 @@ fn a_mixture_has_both_shares_and_absorbs_where_either_pigment_does() {
     let pigment = &TINY[start..TINY.find("[light]").unwrap()];
     let blue = pigment.replace("yellow", "blue").replace("0.15", "0.10");
     let mixture = TINY.replace("[light]", &format!("{blue}[light]"));
-    let results_of = |text: &str, name: &str| {
+    let in_folder = |text: &str, name: &str| {
         let folder = folder.path().join(name);
         std::fs::create_dir(&folder).unwrap();
-        results(&folder, text)
+        results_of(&folder, text)
     };
-    let alone = results_of(TINY, "yellow");
-    let both = results_of(&mixture, "both");
+    let alone = in_folder(TINY, "yellow");
+    let both = in_folder(&mixture, "both");
     let shares = both["packings"][0]["shares"].as_array().unwrap();
     let share = |i: usize| shares[i]["achieved_fraction"].as_f64().unwrap();
     // One grain of 200 nm is 1.3 % of this cell.
@@ -81,7 +74,7 @@ fn the_papers_albedo_may_be_a_spectrum() {
         std::fs::create_dir(&folder).unwrap();
         std::fs::write(folder.join("paper.csv"), "wavelength_nm,albedo\n400,0.5\n700,0.8\n").unwrap();
         let results =
-            results(&folder, &TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]")));
+            results_of(&folder, &TINY.replace("[light]", &format!("[paper]\nalbedo = {albedo}\n[light]")));
         let rows = results["spectra"].as_array().unwrap();
         let normal = rows.iter().filter(|row| row["polar_deg"] == 0.0);
         normal.map(|row| row["natural_light"]["value"].as_f64().unwrap()).collect::<Vec<f64>>()
@@ -181,7 +174,7 @@ fn a_grid_that_the_probes_just_fit_in_does_not_fail_the_other_packings() {
     "#;
     for seed in [2, 3, 4] {
         let folder = tempfile::tempdir().unwrap();
-        let results = results(folder.path(), &study.replace("seed = 2", &format!("seed = {seed}")));
+        let results = results_of(folder.path(), &study.replace("seed = 2", &format!("seed = {seed}")));
         assert_eq!(results["solves"]["asked"], results["solves"]["finished"], "seed {seed}");
     }
 }
@@ -193,7 +186,7 @@ fn an_opaque_ink_is_published_without_what_cannot_be_known() {
         .replace("thickness_um = 0.5", "thickness_um = 2")
         .replace("{ built_in = \"yellow\" }", "{ n = 1.8, k = 0.8 }");
     let folder = tempfile::tempdir().unwrap();
-    let results = results(folder.path(), &opaque);
+    let results = results_of(folder.path(), &opaque);
     assert!(results["colours"].as_array().unwrap().len() == 2);
     let rows = results["ink_maker"]["kubelka_munk"].as_array().unwrap();
     let known = |key: &str| rows.iter().all(|row| row[key]["value"].is_number());

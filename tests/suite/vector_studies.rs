@@ -1,6 +1,6 @@
 //! Studies of Maxwell's equations from file to results: films, polarisations, records, refusals.
 
-use crate::run_support::{TINY, run, study, succeed};
+use crate::run_support::{TINY, results_of, run, study};
 use inkwave::store::{PointRecord, Record, Store};
 use num_complex::Complex64;
 use serde_json::Value;
@@ -10,13 +10,6 @@ use std::path::Path;
 /// The tiny study in one kind of light.
 fn lit_by(wave: &str, text: &str) -> String {
     text.replace("[light]", &format!("[light]\nwave = \"{wave}\""))
-}
-
-/// Runs a study into a folder, which may hold solves of others.
-fn results(folder: &Path, text: &str) -> Value {
-    let out = folder.join("out");
-    succeed(&study(folder, text), &out, &[]);
-    serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap()
 }
 
 /// A number of every row of the spectra.
@@ -63,7 +56,7 @@ fn a_film_without_grains_is_airys_in_every_polarisation() {
     for (text, index) in [(base, garnett), (&averaged, average)] {
         for (wave, shares) in [("s", [1.0, 0.0]), ("p", [0.0, 1.0]), ("unpolarised", [0.5, 0.5])] {
             let folder = tempfile::tempdir().unwrap();
-            let results = results(folder.path(), &lit_by(wave, text));
+            let results = results_of(folder.path(), &lit_by(wave, text));
             for row in results["spectra"].as_array().unwrap() {
                 let number = |name: &str| row[name].as_f64().unwrap();
                 let film = |p| airy(index, 0.7, 1e-3 * number("wavelength_nm"), number("polar_deg"), p);
@@ -85,14 +78,14 @@ fn a_film_without_grains_is_airys_in_every_polarisation() {
 #[test]
 fn unpolarised_light_is_the_mean_of_s_and_p_and_no_record_is_stale() {
     let folder = tempfile::tempdir().unwrap();
-    let scalar = results(folder.path(), TINY);
+    let scalar = results_of(folder.path(), TINY);
     let first = keys(folder.path());
-    let s = results(folder.path(), &lit_by("s", TINY));
+    let s = results_of(folder.path(), &lit_by("s", TINY));
     // paper depolarises: what comes back through the layer needs both polarisations
     assert_eq!((s["solves"]["finished"].as_u64(), first.len()), (Some(48), 24));
     assert_eq!(keys(folder.path()).len(), 24 + 48, "the scalar solves serve for nothing else");
-    let p = results(folder.path(), &lit_by("p", TINY));
-    let both = results(folder.path(), &lit_by("unpolarised", TINY));
+    let p = results_of(folder.path(), &lit_by("p", TINY));
+    let both = results_of(folder.path(), &lit_by("unpolarised", TINY));
     assert_eq!(keys(folder.path()).len(), 24 + 48, "s and p are solved once");
     assert_eq!(both["study"]["wave"], "unpolarised");
     for name in ["reflectance", "specular_reflectance", "transmittance", "absorptance", "natural_light"] {
@@ -122,7 +115,7 @@ fn unpolarised_light_is_the_mean_of_s_and_p_and_no_record_is_stale() {
 fn a_finished_run_in_unpolarised_light_has_everything_and_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let text = lit_by("unpolarised", TINY);
-    let first = results(folder.path(), &text);
+    let first = results_of(folder.path(), &text);
     assert_eq!((&first["status"], first["colours"].as_array().unwrap().len()), (&Value::from("complete"), 2));
     let out = folder.path().join("out");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
@@ -140,7 +133,7 @@ fn a_finished_run_in_unpolarised_light_has_everything_and_resumes() {
     assert!(polarised.polarisation.is_some() && polarised.orders.iter().all(|o| o.crossed.is_some()));
     store.database().remove(PointRecord::KIND, Some(lost)).unwrap();
     drop(store);
-    let again = results(folder.path(), &text);
+    let again = results_of(folder.path(), &text);
     assert_eq!(again["solves"]["finished"], 48);
     assert!(
         spectra == std::fs::read(out.join("spectra.csv")).unwrap(),
@@ -174,7 +167,7 @@ fn grains_of_two_equal_indices_are_those_of_one() {
         let text = TINY.replace("index = { built_in = \"yellow\" }", index);
         let own = folder.path().join(name);
         std::fs::create_dir(&own).unwrap();
-        column(&results(&own, &lit_by("unpolarised", &text)), "natural_light")
+        column(&results_of(&own, &lit_by("unpolarised", &text)), "natural_light")
     };
     let plain = of("plain", "index = 1.9");
     let equal = of("equal", "index = { ordinary = 1.9, extraordinary = 1.9 }\noptic_axis = [1, 0, 0]");

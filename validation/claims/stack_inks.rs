@@ -4,7 +4,7 @@ use crate::claim::{Bound, Claim, Findings, Level, Reason, Table};
 use crate::stacks::{Coat, SolvedPair, TwoCoats};
 use inkwave::appearance::composed::fringes::Lobes;
 use inkwave::evaluate::composed::layer::ComposedLayer;
-use inkwave::evaluate::composed::numbers::lights;
+use inkwave::evaluate::composed::spectral::lights;
 use inkwave::wave::Wave;
 use num_complex::Complex64;
 

@@ -11,7 +11,7 @@ use inkwave::appearance::composed::stack::{PlateStack, StackElement};
 use inkwave::appearance::composed::transport::Transport;
 use inkwave::appearance::paper::MirroredSky;
 use inkwave::evaluate::composed::layer::ComposedLayer;
-use inkwave::evaluate::composed::numbers::{lights, spectral};
+use inkwave::evaluate::composed::spectral::{lights, spectral};
 use inkwave::evaluate::quantities::LayerNumbers;
 use inkwave::numerics::Draws;
 use inkwave::wave::Wave;

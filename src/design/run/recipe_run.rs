@@ -6,15 +6,16 @@ use crate::design::surface::{Spectra3, spectra};
 use crate::design::wish::{NumberWish, ReachedNumber};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::summary::print::{ComposedPrint, MeanPlates};
-use crate::evaluate::evaluated::{Evaluated, Evaluation, FinishedSolves};
+use crate::evaluate::evaluated::FinishedSolves;
 use crate::evaluate::ink_maker::distance;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::numbers::sums_of_run;
 use crate::evaluate::published::{NumberNote, Withheld};
-use crate::evaluate::seen::Seen;
+use crate::evaluate::seen::{Seen, see};
+use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::run::RunError;
+use crate::run::{Collected, RunError};
 use crate::store::folder::OutputFolder;
 use crate::store::marker::Holds;
 use crate::work::alone::{RanStudy, run_any_study};
@@ -60,7 +61,7 @@ impl DesignRun<'_> {
             return Err(RunError::Stopped.into());
         }
         let read = match &solved {
-            FinishedSolves::Whole(_) => self.read_whole(&study, &solved)?,
+            FinishedSolves::Whole(collected) => self.read_whole(&study, collected)?,
             FinishedSolves::Slabs(slabs) => self.read_slabs(&study, slabs),
         };
         Ok(read.map(|read| Verified {
@@ -85,14 +86,13 @@ impl DesignRun<'_> {
     fn read_whole(
         &self,
         study: &Study,
-        solved: &FinishedSolves,
+        collected: &Collected,
     ) -> Result<Result<RecipeNumbers, String>, DesignError> {
         let task = self.task;
-        let Evaluated { manifest, from } = match Evaluated::new(study, solved) {
-            Ok(evaluated) => evaluated,
+        let seen = match see(study, collected) {
+            Ok(seen) => seen,
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let Evaluation::Whole(seen) = from else { return Ok(Err("it has no spectra".to_owned())) };
         let mut spectra = match &seen.ink {
             Ok(ink) => spectra(study, ink)?,
             Err(reason) => return Ok(Err(reason.to_string())),
@@ -101,6 +101,7 @@ impl DesignRun<'_> {
             Ok(sums) => spectra.extend(sums),
             Err(reason) => return Ok(Err(reason)),
         }
+        let manifest = summarise(study, collected, &seen);
         if let Some(what) = manifest.unphysical() {
             return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
         }
@@ -118,7 +119,7 @@ impl DesignRun<'_> {
         };
         // kept for other papers alone
         let is_kept = task.composed().next().is_some();
-        let layer = if is_kept { Some(WholeLayer::new(task, study, *seen)?) } else { None };
+        let layer = if is_kept { Some(WholeLayer::new(task, study, seen)?) } else { None };
         Ok(Ok(RecipeNumbers {
             lab: maker.print.colour.lab,
             hex: maker.print.hex,

@@ -6,5 +6,6 @@ pub mod kramers_kronig;
 pub mod mixing;
 pub mod named;
 pub mod spectra;
+pub mod synthetic;
 pub mod text_table;
 pub mod usable;

@@ -15,9 +15,10 @@ use super::dispersion::DataSource;
 use super::dispersion::Dispersion;
 #[cfg(feature = "serde")]
 use super::kramers_kronig::KnownIndex;
+use super::named::NamedIndex;
 #[cfg(feature = "serde")]
 use super::named::{MATERIALS, NamedMaterial, Ray};
-use super::named::{NamedIndex, SYNTHETIC_RANGE_NM, Synthetic};
+use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
 use super::usable::Unusable;
 use crate::numerics::files::FileError;
 use num_complex::Complex64;

@@ -2,80 +2,22 @@
 //! decimal points or commas, with or without a header, remarks, lines of text before the numbers,
 //! and several tables one after another.
 
-use crate::numerics::files::{self, FileError};
+mod encoding;
+mod separator;
+mod wavelength_column;
+
+pub use encoding::read_text;
+pub use separator::{Separator, number};
+pub use wavelength_column::wavelength_factor;
+
+use crate::numerics::files::FileError;
+use separator::guessed;
 use std::path::Path;
 
 /// Most cells in a line: a spectrum from 200 to 2500 nm in steps of 0.2 nm has 11 500.
 const MOST_COLUMNS: usize = 16_384;
 /// Most cells in a file: some hundred megabytes in memory.
 const MOST_CELLS: usize = 4_000_000;
-/// Lines that decide on the separator.
-const DECIDING_LINES: usize = 400;
-
-/// Text of a file in UTF-8, in UTF-16 with a byte order mark, or else in Latin-1.
-///
-/// # Errors
-/// The file cannot be read, is too large, or is no text.
-pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let bytes = files::read_bytes(path, files::TABLE);
-    decode(&bytes.map_err(|error| FileError::new(path.display(), error))?)
-        .map_err(|reason| FileError::new(path.display(), reason))
-}
-
-fn decode(bytes: &[u8]) -> Result<String, &'static str> {
-    const NO_TEXT: &str = "it is not plain text (a spreadsheet's own format?): save it as CSV in UTF-8";
-    let wide = |unit: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-        String::from_utf16(&units).map_err(|_| NO_TEXT)
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => return wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => return wide(u16::from_be_bytes),
-        _ => {}
-    }
-    if bytes.contains(&0) {
-        return Err(NO_TEXT);
-    }
-    // Latin-1: every byte is the character of that number
-    let text = std::str::from_utf8(bytes)
-        .map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned);
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
-}
-
-/// What is between two cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Separator {
-    /// One character; only `,` excludes decimal commas.
-    Character(char),
-    /// Any number of blanks.
-    Blanks,
-}
-
-impl Separator {
-    fn cells(self, line: &str) -> Vec<&str> {
-        match self {
-            Self::Character(character) => line.split(character).map(str::trim).collect(),
-            Self::Blanks => line.split_whitespace().collect(),
-        }
-    }
-
-    /// The number in a cell, with a decimal comma unless commas separate cells.
-    pub fn number(self, cell: &str) -> Option<f64> {
-        number(cell, self != Self::Character(','))
-    }
-}
-
-/// A number with a decimal point, or, where allowed, with a decimal comma; a percent sign or `nm`
-/// may follow. Words such as `nan` are numbers here, for the caller to refuse.
-pub fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
-    let cell = cell.trim();
-    let cell = cell.strip_suffix('%').or_else(|| cell.strip_suffix("nm")).unwrap_or(cell).trim_end();
-    if decimal_comma && let Some((whole, decimals)) = cell.split_once(',') {
-        let is_plain = !decimals.is_empty() && !decimals.contains(',') && !cell.contains('.');
-        return is_plain.then(|| format!("{whole}.{decimals}").parse().ok()).flatten();
-    }
-    cell.parse().ok()
-}
 
 /// A line of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -272,72 +214,6 @@ impl TextTable {
     }
 }
 
-/// The separator under which most cells of the first lines are numbers; of equals the first listed.
-fn guessed(text: &str) -> Separator {
-    let mut candidates = ['\t', ';', ','].map(Separator::Character).to_vec();
-    candidates.push(Separator::Blanks);
-    let lines = || text.lines().filter(|line| !line.trim_start().starts_with('#')).take(DECIDING_LINES);
-    let score = |separator: Separator| -> usize {
-        lines()
-            .map(|line| {
-                // a line that has far too many cells is refused later
-                let cells = &line[..line.len().min(1 << 16).min(last_boundary(line))];
-                let cells = separator.cells(cells);
-                if cells.len() < 2 {
-                    0
-                } else {
-                    cells.iter().filter(|cell| separator.number(cell).is_some()).count()
-                }
-            })
-            .sum()
-    };
-    let mut best = Separator::Character(',');
-    let mut most = 0;
-    for candidate in candidates {
-        let count = score(candidate);
-        if count > most {
-            (best, most) = (candidate, count);
-        }
-    }
-    if most > 0 {
-        return best;
-    }
-    // nothing but words: what the first line has
-    let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
-    let found = [';', '\t'].into_iter().find(|&character| first.contains(character));
-    Separator::Character(found.unwrap_or(','))
-}
-
-/// A place near 65 536 bytes at which a text can be cut.
-fn last_boundary(line: &str) -> usize {
-    (0..=line.len().min(1 << 16)).rev().find(|&at| line.is_char_boundary(at)).unwrap_or(0)
-}
-
-/// Factor from the unit of a column of wavelengths to nm, by its name: `Wavelength (nm)`, `nm`,
-/// `wl` (µm: so the website of refractiveindex.info names it), `lambda_um`; none for other columns.
-/// A name without a unit is taken as nm.
-pub fn wavelength_factor(name: &str) -> Option<f64> {
-    let lower = name.trim().to_lowercase();
-    let words: Vec<&str> =
-        lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
-    let is = |all: &[&str]| words.iter().any(|word| all.contains(word));
-    let quantity = is(&["wavelength", "wavelengths", "wavelen", "wave", "lambda", "λ", "wellenlänge", "wl"]);
-    let unit = if is(&["um", "µm", "μm", "micron", "microns", "micrometer", "micrometers", "micrometre"]) {
-        Some(1000.0)
-    } else if is(&["nm", "nanometer", "nanometers", "nanometre", "nanometres"]) {
-        Some(1.0)
-    } else if is(&["å", "angstrom", "angstroms"]) {
-        Some(0.1)
-    } else {
-        None
-    };
-    let only_unit = words.len() == 1 && unit.is_some();
-    if lower == "wl" {
-        return Some(1000.0);
-    }
-    (quantity || only_unit).then(|| unit.unwrap_or(1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -401,27 +277,5 @@ mod tests {
         let wide = format!("nm{}\n", ",1".repeat(1_000_000));
         let wide = TextTable::parse("a.csv".into(), &wide).unwrap_err().to_string();
         assert!(wide.contains("line 1: more than 16384 cells"), "{wide}");
-    }
-
-    #[test]
-    fn encodings_and_units_of_wavelengths() {
-        let wide: Vec<u8> =
-            [0xff, 0xfe].into_iter().chain("nm;°\n".encode_utf16().flat_map(u16::to_le_bytes)).collect();
-        assert_eq!(decode(&wide).unwrap(), "nm;°\n");
-        assert_eq!(decode(b"2\xb0").unwrap(), "2°");
-        assert!(decode(b"PK\x03\x04\0\0").is_err());
-        for (name, factor) in [
-            ("Wavelength (nm)", Some(1.0)),
-            ("nm", Some(1.0)),
-            ("wavelength_nm", Some(1.0)),
-            ("λ [µm]", Some(1000.0)),
-            ("wl", Some(1000.0)),
-            ("WL", Some(1000.0)),
-            ("lambda", Some(1.0)),
-            ("ink", None),
-            ("%R", None),
-        ] {
-            assert_eq!(wavelength_factor(name), factor, "{name}");
-        }
     }
 }

@@ -4,7 +4,7 @@ use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
 use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
-use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow, WholeResults};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::input::study::{StackLayer, Study};
@@ -19,9 +19,8 @@ const BRDF_STEP_DEG: f64 = 5.0;
 const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
-pub(super) fn figures(manifest: &Manifest, seen: &Seen) -> DrawResult<Vec<Figure>> {
+pub(super) fn figures(manifest: &Manifest, rows: &[SpectrumRow], seen: &Seen) -> DrawResult<Vec<Figure>> {
     let study = manifest.study;
-    let rows = manifest.spectra.whole();
     let all = [
         seen_spectra(study, rows),
         layer_spectra(study, rows),
@@ -220,11 +219,10 @@ fn nearest(wavelengths_nm: &[f64], target: f64) -> Option<f64> {
 }
 
 /// Plots of K and S, and of a measurement with its residuals.
-pub(super) fn of_ink_makers(manifest: &Manifest) -> DrawResult<Vec<Figure>> {
-    let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
+pub(super) fn of_ink_makers(maker: &InkMaker, whole: &WholeResults) -> DrawResult<Vec<Figure>> {
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
-        figures.push(kubelka_munk(maker, manifest)?);
+        figures.push(kubelka_munk(maker, whole)?);
     }
     if let Some(measured) = &maker.measured {
         figures.extend(compared(measured)?);
@@ -237,10 +235,10 @@ fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> 
     Figure::new(heading, &plot, caption)
 }
 
-fn kubelka_munk(maker: &InkMaker, manifest: &Manifest) -> DrawResult<Figure> {
-    let certainty = manifest.ensemble.as_ref().map(|ensemble| ensemble.certainty);
-    let solved_nm: Vec<f64> = manifest.spectra.whole().iter().map(|row| row.wavelength_nm).collect();
-    let factor = certainty.and_then(|certainty| certainty.coverage_factor_95);
+fn kubelka_munk(maker: &InkMaker, whole: &WholeResults) -> DrawResult<Figure> {
+    let certainty = &whole.ensemble.certainty;
+    let solved_nm: Vec<f64> = whole.rows.iter().map(|row| row.wavelength_nm).collect();
+    let factor = certainty.coverage_factor_95;
     let wider = factor.unwrap_or(1.0);
     let wide = |e: Estimate| Estimate { standard_error: e.standard_error.map(|error| error * wider), ..e };
     let rows = || maker.kubelka_munk.iter();
@@ -250,12 +248,12 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest) -> DrawResult<Figure> {
         Curve::measured("absorption K", absorption).asked_at(&solved_nm),
         Curve::measured("scattering S", scattering).asked_at(&solved_nm),
     ];
-    let bars = match (factor, certainty) {
-        (Some(factor), Some(certainty)) => {
+    let bars = match factor {
+        Some(factor) => {
             let degrees = certainty.degrees_of_freedom;
             format!("95 % intervals: {factor:.2} standard errors (Student's t, {degrees} degrees of freedom)")
         }
-        _ => "standard errors".to_owned(),
+        None => "standard errors".to_owned(),
     };
     let caption = format!(
         "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \

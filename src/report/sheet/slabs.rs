@@ -5,7 +5,7 @@ use super::figures::shown_nm;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
-use crate::evaluate::manifest::Manifest;
+use crate::evaluate::manifest::ComposedResults;
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, DensityRow, SlabNotes};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::{Study, WantedNumber};
@@ -35,18 +35,18 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 }
 
 /// The main results in a line each.
-pub(super) fn lines(manifest: &Manifest, slabs: &SlabNotes) -> Vec<String> {
+pub(super) fn lines(composed: &ComposedResults) -> Vec<String> {
     let mut lines = Vec::new();
-    for c in manifest.colours.composed() {
+    for c in composed.colours {
         let um = c.thickness_um;
         let seen = lab(c.natural_light);
         let ratio = words_of(c.contrast_ratio, 3);
         lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
-        lines.extend(manifest.spectra.composed().iter().map(spectral_line));
+        lines.extend(composed.rows.iter().map(spectral_line));
     }
-    lines.extend(slabs.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
+    lines.extend(composed.slabs.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
     lines
 }
 
@@ -61,11 +61,11 @@ fn spectral_line(row: &ComposedRow) -> String {
 }
 
 /// What the page shows beside the manifest.
-pub(super) fn page(manifest: &Manifest, slabs: &SlabNotes) -> Value {
+pub(super) fn page(study: &Study, composed: &ComposedResults) -> Value {
     context! {
-        patches => Serde(patches(manifest.colours.composed())),
-        shown_medium => Serde(shown_medium(manifest, slabs)),
-        largest => Serde(largest_parts(manifest)),
+        patches => Serde(patches(composed.colours)),
+        shown_medium => Serde(shown_medium(study, composed.slabs)),
+        largest => Serde(largest_parts(composed.rows)),
     }
 }
 
@@ -78,24 +78,25 @@ fn patches(colours: &[ComposedColours]) -> Vec<(String, String)> {
 }
 
 /// Curves against thickness and depth, and spectra.
-pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<Figure>> {
+pub(super) fn figures(study: &Study, composed: &ComposedResults) -> DrawResult<Vec<Figure>> {
+    let slabs = composed.slabs;
     let mut all = vec![
         ("The light's way", depth_chart(slabs), DEPTH),
-        ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
+        ("On the paper", spectra_chart(composed), SPECTRA),
     ];
     if !slabs.left_out.densities.is_empty() {
         all.push(("Densities", density_chart(slabs), DENSITIES));
     }
     // a stack has the thicknesses requested, often one
     if !slabs.curve.is_empty() {
-        all.insert(0, ("Against thickness", shares_chart(manifest, slabs), SHARES));
+        all.insert(0, ("Against thickness", shares_chart(study, slabs), SHARES));
     }
     if !slabs.curve_colours.is_empty() {
         all.insert(1, ("Hiding", hiding_chart(slabs), HIDING));
         all.insert(2, ("Colour", colour_chart(slabs), COLOUR));
     }
     if !slabs.curve_numbers.is_empty() {
-        all.push(("Weighted numbers", numbers_chart(manifest.study, slabs), NUMBERS));
+        all.push(("Weighted numbers", numbers_chart(study, slabs), NUMBERS));
     }
     all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
@@ -119,14 +120,14 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
     Chart { log: [true, false], y_range: Some([0.0, 1.0]), ..chart }
 }
 
-fn shares_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
+fn shares_chart(study: &Study, slabs: &SlabNotes) -> Chart {
     let curve = |nm: f64, name: &str, share: fn(&ComposedRow) -> Option<ErrorParts>| {
         let rows = slabs.curve.iter().filter(move |row| row.wavelength_nm == nm);
         let points = rows.filter_map(|row| Some((row.thickness_um, share(row)?.estimate())));
         Curve::measured(format!("{name}, {nm:.0} nm"), points)
     };
     let mut curves = Vec::new();
-    for nm in shown_nm(&manifest.study.wavelengths_nm) {
+    for nm in shown_nm(&study.wavelengths_nm) {
         curves.push(curve(nm, "R", |row| row.layer.reflectance_diffuse));
         curves.push(curve(nm, "T", |row| row.layer.transmittance_diffuse));
     }
@@ -184,10 +185,10 @@ fn depth_chart(slabs: &SlabNotes) -> Chart {
     Chart { from_zero: true, ..Chart::linear("", "depth, µm", "flux, share of the incident light", curves) }
 }
 
-fn spectra_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
+fn spectra_chart(composed: &ComposedResults) -> Chart {
     let mut curves = Vec::new();
-    for um in &slabs.composed.thicknesses_um {
-        let rows = manifest.spectra.composed().iter().filter(|row| row.thickness_um == *um);
+    for um in &composed.slabs.composed.thicknesses_um {
+        let rows = composed.rows_of(*um);
         let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
         curves.push(Curve::measured(format!("{um} µm"), points));
     }
@@ -210,8 +211,8 @@ fn density_chart(slabs: &SlabNotes) -> Chart {
 }
 
 /// Coefficients of the medium at a few wavelengths.
-fn shown_medium(manifest: &Manifest, slabs: &SlabNotes) -> Vec<(String, Estimate)> {
-    let shown = shown_nm(&manifest.study.wavelengths_nm);
+fn shown_medium(study: &Study, slabs: &SlabNotes) -> Vec<(String, Estimate)> {
+    let shown = shown_nm(&study.wavelengths_nm);
     let mut rows = Vec::new();
     for row in slabs.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
         for number in row.numbers() {
@@ -233,9 +234,9 @@ struct LargestParts {
     inputs: f64,
 }
 
-fn largest_parts(manifest: &Manifest) -> LargestParts {
+fn largest_parts(rows: &[ComposedRow]) -> LargestParts {
     let mut largest = LargestParts::default();
-    for ComposedRow { layer, .. } in manifest.spectra.composed() {
+    for ComposedRow { layer, .. } in rows {
         let totals = [
             layer.reflectance_normal,
             layer.transmittance_normal,

@@ -310,7 +310,8 @@ mod tests {
         }
     }
 
-    /// Fringes of thick films and light guided by a coat over a thinner medium, against a dense sum.
+    /// Fringes of thick films, and light guided by a coat over a thinner medium, against a dense
+    /// sum.
     /// *Planted*: one rule of 40 angles.
     #[test]
     fn means_have_the_fringes_and_resonances_of_their_films() {

@@ -2,9 +2,11 @@
 
 pub mod composed;
 pub mod main_numbers;
+mod results;
 mod whole;
 
 use self::composed::{ComposedColours, ComposedRow, SlabNotes};
+pub use self::results::{ComposedResults, WholeResults};
 pub use self::whole::{Certainty, ColourNote, EnsembleNotes, SpectrumReplicates, SpectrumRow};
 use super::ink_maker::InkMaker;
 use super::printed::Prints;
@@ -191,8 +193,7 @@ impl PublishedColours {
 impl Manifest<'_> {
     /// Thicknesses of the layers that the study is about, µm.
     pub fn thicknesses_um(&self) -> Vec<f64> {
-        let composed = self.slabs.as_ref().map(|slabs| slabs.composed.thicknesses_um.clone());
-        composed.unwrap_or_else(|| vec![self.study.layer.thickness_um])
+        self.study.requested_um()
     }
 
     /// Why nothing is published, where more packings failed than the study allows.

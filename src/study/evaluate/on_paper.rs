@@ -1,159 +1,33 @@
 //! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] applied
 //! to fitted values.
+//!
+//! These are differences from the coherent film: [`Measured`] totals and means, and
+//! [`AngleCurve`]s between the angles of these totals, for directions of light and view
+//! ([`PolarAngle`]).
 
+mod angle;
 pub(super) mod curves;
+mod measured;
 
+pub use angle::{AngleNodes, PolarAngle};
 pub use curves::{
-    AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
+    AZIMUTHAL, AngleCurve, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
+pub(super) use measured::MEASURED;
+pub use measured::{Anchors, CURVES, Measured};
 
-use super::films::FilmAt;
 use super::samples::{SolvedDirection, mean};
-use super::wavelengths::Weights;
 use crate::appearance::paper::{MirroredSky, PaperError, emerging, returned};
 use crate::appearance::paper_series::AreaOptics;
+use curves::{curve, weighted};
 use gauss_quad::GaussLegendre;
+use measured::{REFLECTANCE, SPECULAR, TRANSMITTANCE};
 use std::f64::consts::PI;
-
-/// Number of totals with a curve over the angle: R, T, and the specular part of R.
-pub const CURVES: usize = 3;
-const REFLECTANCE: usize = 0;
-const TRANSMITTANCE: usize = 1;
-const SPECULAR: usize = 2;
-/// Differences of these totals from the film at \[0°, 45°\].
-pub type Anchors = [[f64; CURVES]; 2];
 
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
-
-/// Everything known at the wavelengths of interest.
-#[derive(Clone, Debug)]
-pub struct AngleNodes {
-    /// Vacuum wavelengths, nm.
-    pub wavelengths_nm: Vec<f64>,
-    /// The coherent film at each wavelength.
-    pub films: Vec<FilmAt>,
-    /// The paper's albedo at each wavelength.
-    pub albedos: Vec<f64>,
-    /// Values of the spectral functions at each wavelength.
-    pub weights: Vec<Weights>,
-    /// The film's T̄ and Ā from the exit side.
-    pub means: Vec<[f64; 2]>,
-}
-
-impl AngleNodes {
-    /// Keeps the first wavelengths only.
-    pub(super) fn cut(&mut self, count: usize) {
-        self.wavelengths_nm.truncate(count);
-        self.films.truncate(count);
-        self.albedos.truncate(count);
-        self.weights.truncate(count);
-        self.means.truncate(count);
-    }
-}
-
-/// Differences from the film, measured at every wavelength solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// Totals at 0° and 45°.
-    pub anchors: Anchors,
-    /// Totals at 0° and 45° in the light returned by the paper, which is unpolarised; equal to
-    /// `anchors` unless the incident light is polarised.
-    pub returned: Anchors,
-    /// T of the unscattered order at 0°.
-    pub straight_on: f64,
-    /// T̄.
-    pub transmittance: f64,
-    /// Ā from the exit side.
-    pub absorptance: f64,
-}
-
 /// Step of differences that stand for derivatives: rounding and curvature both cost some 1e-7.
 const SLOPE_STEP: f64 = 1e-6;
-/// Numbers that are measured.
-pub(super) const MEASURED: usize = 4 * CURVES + 3;
-
-impl Measured {
-    /// All numbers, totals first.
-    fn all(&mut self) -> impl Iterator<Item = &mut f64> {
-        let Self { anchors, returned, straight_on, transmittance, absorptance } = self;
-        anchors.iter_mut().chain(returned).flatten().chain([straight_on, transmittance, absorptance])
-    }
-
-    /// As a list, totals first.
-    pub(super) fn numbers(mut self) -> [f64; MEASURED] {
-        let mut all = self.all();
-        std::array::from_fn(|_| all.next().map_or(0.0, |number| *number))
-    }
-
-    /// With `step` times other values added.
-    fn moved(mut self, by: &Self, step: f64) -> Self {
-        self.all().zip(by.numbers()).for_each(|(number, by)| *number += step * by);
-        self
-    }
-}
-
-/// Fitted curves over the angle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AngleCurve {
-    /// Coefficients of the curves between the anchors.
-    pub bends: [[f64; BENDS]; CURVES],
-    /// Coefficients in the light returned by the paper.
-    pub returned: [[f64; BENDS]; CURVES],
-    /// Coefficients of the layer's diffuse BRDF, 1/sr.
-    pub diffuse: [f64; DIFFUSE],
-    /// Coefficients of its dependence on the azimuth, 1/sr.
-    pub azimuthal: [f64; AZIMUTHAL],
-    /// Projected solid angle of an order, averaged over the ensemble, sr; the specular order
-    /// contains this much diffuse light.
-    pub order_area: f64,
-}
-
-/// A viewing or illumination angle, with the film's R and T.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PolarAngle {
-    /// Angle from the normal, degrees.
-    pub polar_deg: f64,
-    mu: f64,
-    between: [f64; 2],
-    bends: [f64; BENDS],
-    /// Totals of the film at every node.
-    film: Vec<[f64; CURVES]>,
-    /// T of the film in the light returned by the paper, at every node.
-    film_returned: Vec<f64>,
-}
-
-impl PolarAngle {
-    /// The part of a curve with these coefficients.
-    pub fn bent(&self, coefficients: &[f64; BENDS]) -> f64 {
-        weighted(&self.bends, coefficients)
-    }
-
-    /// Evaluates the films at an angle.
-    ///
-    /// # Errors
-    /// The angle is outside 0° ≤ θ < 90°.
-    pub fn new(polar_deg: f64, nodes: &AngleNodes) -> Result<Self, PaperError> {
-        if !(0.0..90.0).contains(&polar_deg) {
-            return Err(PaperError::AngleOutOfRange { value: polar_deg });
-        }
-        let mu = polar_deg.to_radians().cos();
-        let (between, bends) = anchor_weights(mu);
-        let mut film = Vec::new();
-        let mut film_returned = Vec::new();
-        for node_film in &nodes.films {
-            let [r, t] = node_film.reflectance_transmittance(polar_deg);
-            let back = node_film.returned();
-            film.push([r, t, r]);
-            film_returned.push(if back == *node_film {
-                t
-            } else {
-                back.reflectance_transmittance(polar_deg)[1]
-            });
-        }
-        Ok(Self { polar_deg, mu, between, bends, film, film_returned })
-    }
-}
 
 /// Light that a brightened paper emits below the layer, over the light that comes in at this
 /// wavelength: its value, and what errors of R and of T change of it.
@@ -430,25 +304,6 @@ impl LayerOnPaper {
     fn returned(&self, between: [f64; 2], bends: [f64; BENDS], total: usize) -> f64 {
         curve(&self.measured.returned, &self.curve.returned[total], between, bends, total)
     }
-}
-
-/// Fitted difference of a total from the film: weights of the anchors, and curve functions.
-#[inline]
-fn curve(
-    anchors: &Anchors,
-    coefficients: &[f64; BENDS],
-    between: [f64; 2],
-    bends: [f64; BENDS],
-
-    total: usize,
-) -> f64 {
-    between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum::<f64>() + weighted(&bends, coefficients)
-}
-
-/// The sum of functions times their coefficients.
-#[inline]
-fn weighted(functions: &[f64], coefficients: &[f64]) -> f64 {
-    functions.iter().zip(coefficients).map(|(f, c)| f * c).sum()
 }
 
 #[cfg(test)]

@@ -2,166 +2,25 @@
 //! instruments where the paper fluoresces. Layers that are solved as a whole and composed ones are
 //! seen alike: as [`AreaOptics`] at the study's wavelengths.
 
+mod emission;
+mod tint;
+
+pub use emission::{Brightened, EmittedLight};
+pub use tint::{InkCoverage, PrintedTint};
+
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
-use crate::appearance::fluorescence::{CUT_NM, summed_nm};
-use crate::appearance::halftone::{murray_davies, physical_coverage, spread_share, yule_nielsen};
+use crate::appearance::halftone::{murray_davies, yule_nielsen};
 use crate::appearance::paper_series::{AreaMix, AreaOptics, LayerOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
-use crate::appearance::viewing::{ColourError, Summation, Viewing};
+use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
-use crate::input::study::{Dots, MixedAreas, MixedPrint, Paper, Study};
+use crate::input::study::{Paper, Study};
 use serde::Serialize;
-
-/// Micrometres of a centimetre.
-const UM_PER_CM: f64 = 1e4;
-
-/// A brightened paper under a light.
-#[derive(Clone, Debug)]
-pub struct Brightened {
-    /// Wavelengths of the sum over excitation.
-    grid_nm: Vec<f64>,
-    albedos: Vec<f64>,
-    light: Vec<f64>,
-    matrix: Vec<Vec<f64>>,
-}
-
-/// What the paper below every kind of area emits, against wavelength.
-pub struct EmittedLight<'a> {
-    brightened: &'a Brightened,
-    /// \[wavelength\]\[kind of area\]
-    emitted: Vec<Vec<f64>>,
-}
+use tint::additivity;
 
 /// Share of the paper's luminance that a solid must take for coverages to be read from it: faces of
 /// the solid and of bare paper differ in polarisation by more than rounding, but hardly.
 const NO_INK: f64 = 0.01;
-
-impl Brightened {
-    /// The paper under the light of an instrument, or under an illuminant; `None` if it does not
-    /// fluoresce.
-    ///
-    /// # Errors
-    /// An illuminant that is not known.
-    pub fn under(
-        paper: &Paper,
-        wavelengths_nm: &[f64],
-        condition: Option<MeasuredCondition>,
-        illuminant: &Viewing,
-    ) -> Result<Option<Self>, ColourError> {
-        let of = |name: &str| Viewing::new(name, "2", Summation::Plain);
-        let (lamp, cut_nm) = match condition {
-            None => (illuminant.clone(), 0.0),
-            Some(MeasuredCondition::M0) => (of("A")?, 0.0),
-            Some(MeasuredCondition::M1) => (of("D50")?, 0.0),
-            // polarised light has no ultraviolet either
-            Some(MeasuredCondition::M2 | MeasuredCondition::M3) => (of("D50")?, CUT_NM),
-        };
-        Ok(Self::new(paper, wavelengths_nm, &lamp, cut_nm))
-    }
-
-    /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no
-    /// light; `None` if it does not fluoresce.
-    pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
-        let fluorescence = paper.fluorescence.as_ref()?;
-        let grid_nm = summed_nm(*wavelengths_nm.first()?, *wavelengths_nm.last()?);
-        let power = |&nm: &f64| if nm < cut_nm { 0.0 } else { viewing.power(nm) };
-        let albedo = |&nm: &f64| paper.albedo.at(nm).unwrap_or(f64::NAN);
-        Some(Self {
-            albedos: grid_nm.iter().map(albedo).collect(),
-            light: grid_nm.iter().map(power).collect(),
-            matrix: fluorescence.matrix(&grid_nm),
-            grid_nm,
-        })
-    }
-
-    /// What is emitted below kinds of area that are known at these wavelengths.
-    pub fn below(&self, mix: &AreaMix, kinds: &[&[AreaOptics]], wavelengths_nm: &[f64]) -> EmittedLight<'_> {
-        let at = |&nm: &f64| kinds.iter().map(|kind| AreaOptics::at(kind, wavelengths_nm, nm)).collect();
-        let areas: Vec<Vec<AreaOptics>> = self.grid_nm.iter().map(at).collect();
-        let emitted = mix.emitted(&areas, &self.albedos, &self.light, &self.matrix);
-        EmittedLight { brightened: self, emitted }
-    }
-}
-
-impl EmittedLight<'_> {
-    /// S_k/E at a wavelength; nothing where there is no light to compare with.
-    pub fn relative(&self, nm: f64) -> Vec<f64> {
-        let Brightened { grid_nm, light, .. } = self.brightened;
-        let after = grid_nm.partition_point(|&x| x < nm).min(grid_nm.len().saturating_sub(1));
-        let below =
-            if grid_nm.get(after).is_some_and(|&x| x <= nm) { after } else { after.saturating_sub(1) };
-        let (Some(from), Some(to)) = (grid_nm.get(below), grid_nm.get(after)) else { return Vec::new() };
-        let share = if to > from { ((nm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-        let mix = |low: f64, high: f64| low + share * (high - low);
-        let power = mix(light[below], light[after]);
-        let kinds = self.emitted[below].iter().zip(&self.emitted[after]);
-        kinds.map(|(low, high)| if power > 0.0 { mix(*low, *high) / power } else { 0.0 }).collect()
-    }
-}
-
-/// One print.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct PrintedTint {
-    /// Light of the instrument, where the paper fluoresces.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub condition: Option<MeasuredCondition>,
-    /// Coverage as it was asked for; 0 is bare paper, 1 the solid.
-    pub nominal: f64,
-    /// Coverage with the physical gain.
-    pub coverage: f64,
-    /// Share of the light that the paper spreads over all areas alike.
-    pub spread: f64,
-    /// Nominal coverages of the inks, or of the areas with layers of other runs; empty where this
-    /// study's layer is printed alone.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub inks: Vec<InkCoverage>,
-    /// Shares of this study's layer, of the layers of other runs, and of bare paper.
-    #[serde(skip)]
-    pub shares: Vec<f64>,
-}
-
-impl PrintedTint {
-    /// The tints of one ink between bare paper and its solid, each once, from light to dark.
-    fn ramp(dots: &Dots) -> Vec<Self> {
-        let mut nominal: Vec<f64> = dots.nominal.iter().copied().filter(|c| *c > 0.0 && *c < 1.0).collect();
-        nominal.sort_by(f64::total_cmp);
-        nominal.dedup();
-        let ruling_per_um = dots.ruling_per_cm / UM_PER_CM;
-        let tint = |nominal: f64| {
-            let coverage = physical_coverage(nominal, dots.physical_gain);
-            let spread = spread_share(coverage, ruling_per_um, dots.spread_um);
-            Self { nominal, coverage, spread, ..Self::default() }
-        };
-        nominal.into_iter().map(tint).collect()
-    }
-
-    /// The prints of several kinds of area.
-    fn all_of(dots: &Dots, mixed: &MixedAreas) -> Vec<Self> {
-        let print = |(&nominal, print): (&f64, &MixedPrint)| {
-            let inks = mixed.names.iter().zip(&print.nominal);
-            let coverage: f64 = print.shares.iter().sum();
-            let bare = (1.0 - coverage).max(0.0);
-            Self {
-                condition: None,
-                nominal,
-                coverage,
-                spread: print.spread,
-                inks: inks.map(|(name, &coverage)| InkCoverage { name: name.clone(), coverage }).collect(),
-                shares: print.shares.iter().copied().chain([bare]).collect(),
-            }
-        };
-        dots.nominal.iter().zip(&mixed.prints).map(print).collect()
-    }
-}
-
-/// The nominal coverage of an ink.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct InkCoverage {
-    /// Its name in the study.
-    pub name: String,
-    /// Its coverage, 0 to 1.
-    pub coverage: f64,
-}
 
 /// What of a print its bars are made of.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -203,27 +62,6 @@ impl<T> PrintNumbers<T> {
             factors: self.factors.into_iter().zip(other.factors).map(|(x, y)| number(x, y)).collect(),
         }
     }
-}
-
-/// The density of an overprint of solids over the sum of those of its inks.
-fn additivity(prints: &[PrintedTint], k: usize, density: impl Fn(usize) -> f64) -> f64 {
-    let inks = &prints[k].inks;
-    let count = inks.iter().filter(|ink| ink.coverage == 1.0).count();
-    if count < 2 || inks.iter().any(|ink| ink.coverage != 0.0 && ink.coverage != 1.0) {
-        return f64::NAN;
-    }
-    let mut sum = 0.0;
-    for (number, _) in inks.iter().enumerate().filter(|(_, ink)| ink.coverage == 1.0) {
-        let is_alone = |print: &PrintedTint| {
-            let mut own = print.inks.iter().enumerate();
-            !print.inks.is_empty() && own.all(|(i, ink)| ink.coverage == f64::from(i == number))
-        };
-        match prints.iter().position(is_alone) {
-            Some(solid) => sum += density(solid),
-            None => return f64::NAN,
-        }
-    }
-    density(k) / sum
 }
 
 /// The prints of a study.

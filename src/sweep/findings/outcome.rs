@@ -94,7 +94,6 @@ impl Outcome {
     /// Adds the numbers of a variant's manifest.
     pub fn with(self, manifest: &Manifest) -> Self {
         let main = manifest.main_numbers();
-        let slabs = manifest.slabs.as_ref();
         Self {
             solves: manifest.solves,
             failures: manifest.failures.len(),
@@ -107,8 +106,8 @@ impl Outcome {
             target: main.target,
             print_hex: main.hex,
             spectra: main.spectra,
-            medium: slabs.map(|slabs| slabs.medium.clone()).unwrap_or_default(),
-            hiding_thickness_um: slabs.and_then(|slabs| Some(slabs.hiding_thickness_um?.estimate())),
+            medium: main.medium,
+            hiding_thickness_um: main.hiding_thickness_um,
             ..self
         }
     }

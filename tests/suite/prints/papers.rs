@@ -1,7 +1,7 @@
 //! Papers of prints: measured, brightened, and some that would be taken for others.
 
-use super::{BANDS, DOTS, Place, read};
-use crate::run_support::{TINY, study, succeed};
+use super::{BANDS, DOTS, Place};
+use crate::run_support::{TINY, results, study, succeed};
 use serde_json::Value;
 use std::path::Path;
 
@@ -39,7 +39,7 @@ fn measured_paper_is_returned() {
     let output = scratch.path().join("out");
     let printed = succeed(&study(scratch.path(), &format!("{text}{DOTS}{paper}")), &output, &[]);
     assert!(printed.contains("behind the paper's surface the albedo is"), "{printed}");
-    let results = read(&output);
+    let results = results(&output);
     let bare = &results["prints"]["prints"][0];
     for (k, factor) in bare["factors"].as_array().unwrap().iter().enumerate() {
         let measured = 0.80 + 0.004 * 5.0 * k as f64;

@@ -1,5 +1,6 @@
 //! A study small enough to be run many times, and the program to run it with.
 
+use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -33,6 +34,39 @@ planes_per_um = 40
 picture_pixels = 61
 "#;
 
+/// A layer in three thicknesses, composed of slabs: solves of milliseconds.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub const COMPOSED: &str = r#"
+title = "Composed"
+[layer]
+period_um = 0.8
+thickness_um = [1, 2, 50]
+binder.index = 1.5
+composed = { slab_um = 0.5 }
+[[pigment]]
+name = "grains"
+diameter_nm = 200
+volume_fraction = 0.15
+index = 2.0
+[paper]
+albedo = 1.0
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 36
+"#;
+
+/// A text with a part of it replaced, which must be there.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn with(text: &str, part: &str, instead: &str) -> String {
+    assert!(text.contains(part), "{part:?} is not in the text: {text}");
+    text.replace(part, instead)
+}
+
 /// Writes a study file and gives its path.
 pub fn study(folder: &Path, text: &str) -> std::path::PathBuf {
     let path = folder.join("study.toml");
@@ -58,6 +92,33 @@ pub fn succeed(study: &Path, output: &Path, more: &[&str]) -> String {
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     assert!(done.status.success(), "{said}");
     said
+}
+
+/// What was said on stderr, without the frame and the line breaks of the terminal.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn plain(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).replace(['│', '×', '╰', '─', '▶'], " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// `results.json` of a folder.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn results(output: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
+}
+
+/// The results of a study, run in `out` of a folder.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn results_of(folder: &Path, text: &str) -> Value {
+    let out = folder.join("out");
+    succeed(&study(folder, text), &out, &[]);
+    results(&out)
+}
+
+/// The value of a number in a row of results.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn value(row: &Value, name: &str) -> f64 {
+    row[name]["value"].as_f64().expect("a number")
 }
 
 /// Every column of every table in a folder is described in the `datapackage.json` beside it, in order, and has a unit

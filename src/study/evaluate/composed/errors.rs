@@ -230,20 +230,9 @@ mod tests {
             LayerNumbers { reflectance_normal, over_white, ..LayerNumbers::default() }
         };
         let spectra = (0..20).map(row).collect();
-        ComposedNumbers {
-            requested: vec![ThicknessNumbers {
-                spectra,
-                colours: None,
-                weighted: Vec::new(),
-                prints: Vec::new(),
-            }],
-            curve: Vec::new(),
-            hiding: None,
-            medium: Vec::new(),
-            distributions: Vec::new(),
-            absorbed: Vec::new(),
-            left_out: Vec::new(),
-        }
+        let weighted = Vec::new();
+        let prints = Vec::new();
+        ComposedNumbers::of_requested(vec![ThicknessNumbers { spectra, colours: None, weighted, prints }])
     }
 
     /// What is chance alone adds little to a bar; a change that chance does not explain adds half

@@ -1,45 +1,31 @@
-//! The numbers of a composed layer from the flux matrices of its slabs, before their error bars.
+//! The numbers of a composed layer from the flux matrices of its slabs, before their error bars: at
+//! every wavelength, as colours and as weighted numbers, of all thicknesses that a study requests.
 
-use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
+mod stack;
+
+use super::distribution::distribution;
+use super::layer::ComposedLayer;
 use super::level::{Change, Level, Slabs};
-use super::stacked::{KeptLayers, StackTask, slabs_in};
-use crate::appearance::composed::flux::Hemisphere;
-use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::{PlateStack, StackElement};
-use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
-use crate::appearance::paper::{MirroredSky, PRINT_DEG};
-use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use super::medium::medium_numbers;
+use super::spectral::{SpectralLayer, brightened, spectral};
+use super::stacked::{StackTask, slabs_in};
+use crate::appearance::composed::stack::PlateStack;
+use crate::appearance::paper::MirroredSky;
+use crate::appearance::paper_series::AreaOptics;
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::Viewing;
-use crate::evaluate::ink_maker::{BLACK, WHITE, in_light_of};
+use crate::evaluate::ink_maker::in_light_of;
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
-    ColourNumbers, ComposedNumbers, DensityNumbers, Distribution, HidingNumbers, LayerNumbers,
-    LeftOutNumbers, MediumNumbers, ThicknessNumbers,
+    ColourNumbers, ComposedNumbers, HidingNumbers, LayerNumbers, ThicknessNumbers,
 };
 use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
-use crate::wave::Wave;
-use faer::Mat;
-use num_complex::Complex64;
-use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Contrast ratio that counts as hiding.
-pub const HIDING: f64 = 0.98;
-/// Most slabs of a layer that is tried for hiding.
-pub const MOST_SLABS: usize = 1024;
-
-/// A stack of one thickness.
-struct StackNumbers {
-    thickness: ThicknessNumbers<f64>,
-    /// \[wavelength\]
-    distributions: Vec<Distribution<f64>>,
-    /// \[wavelength\]\[layer\]
-    absorbed: Vec<Vec<f64>>,
-}
+const HIDING: f64 = 0.98;
 
 /// What is evaluated of a composed layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,31 +146,11 @@ impl<'a> LayerTask<'a> {
             requested: layers(requested_um),
             curve: layers(&self.curve_um),
             hiding: self.around_hiding_um.map(|around_um| self.hiding(&slabs, around_um, per_h)),
-            medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
+            medium: slabs.iter().map(|slabs| medium_numbers(slabs, level.slab_um)).collect(),
             distributions: requested_um.iter().map(distributions).collect(),
             absorbed: Vec::new(),
             left_out: Vec::new(),
         }
-    }
-
-    /// All numbers of a stack.
-    fn numbers_of_stack(&self, task: &StackTask, level: &Level, change: Change) -> ComposedNumbers<f64> {
-        let mut numbers = ComposedNumbers::of_requested(Vec::new());
-        for um in &self.composed.thicknesses_um {
-            // joints and portions are those of the report's first look at them
-            let layers = task.layers(level, *um, change).unwrap_or_default();
-            let of = |kept: KeptLayers| self.of_stack(task, kept, &layers, change);
-            let all = of(KeptLayers::All);
-            if self.extent != LayerExtent::Published {
-                numbers.requested.push(all.thickness);
-                continue;
-            }
-            numbers.left_out.extend(self.left_out(&all.thickness.spectra, |kept| of(kept).thickness));
-            numbers.requested.push(all.thickness);
-            numbers.distributions.push(all.distributions);
-            numbers.absorbed.push(all.absorbed);
-        }
-        numbers
     }
 
     /// A layer or stack of one thickness as light between it and its paper meets it, at every
@@ -207,65 +173,6 @@ impl<'a> LayerTask<'a> {
             at_45(&ComposedLayer::of_stack(stack, &film, wave), *albedo)
         };
         Some(stacks.iter().zip(&self.albedos).map(of_stack).collect())
-    }
-
-    /// The numbers of some of a stack's layers.
-    fn of_stack(
-        &self,
-        task: &StackTask,
-        kept: KeptLayers,
-        layers: &[Vec<Vec<StackElement>>],
-        change: Change,
-    ) -> StackNumbers {
-        let stacks = task.joined(kept, layers).unwrap_or_default();
-        let Study { wave, output, .. } = self.study;
-        let at_wavelength = |(stack, albedo): (&PlateStack, &f64)| {
-            let film = stack.film(change.fewer_directions);
-            let layer = ComposedLayer::of_stack(stack, &film, *wave);
-            let own = spectral(&layer, *wave, output.mirrored_sky, *albedo);
-            let absorbed = match kept {
-                KeptLayers::All => absorbed_by_layers(stack, *wave, &own.numbers),
-                _ => Vec::new(),
-            };
-            (own, distribution(&layer.plate, layer.media), absorbed)
-        };
-        let all = stacks.par_iter().zip(&self.albedos).map(at_wavelength).collect::<Vec<_>>();
-        let mut layers = Vec::new();
-        let mut distributions = Vec::new();
-        let mut absorbed = Vec::new();
-        for (own, distribution, shares) in all {
-            layers.push(own);
-            distributions.push(distribution);
-            absorbed.push(shares);
-        }
-        StackNumbers { thickness: self.coloured(self.brightened(layers)), distributions, absorbed }
-    }
-
-    /// What a stack of several layers is without each of them, and each by itself, where it has
-    /// these spectra and `of` gives some of its layers.
-    fn left_out(
-        &self,
-        stack: &[LayerNumbers<f64>],
-        of: impl Fn(KeptLayers) -> ThicknessNumbers<f64>,
-    ) -> Option<LeftOutNumbers<f64>> {
-        let layers = self.study.stack.len();
-        // plates of a library are no print: what any stack of them is, `inkwave compose` tells
-        if layers < 2 || self.composed.joint_index.is_some() {
-            return None;
-        }
-        let without: Vec<_> = (0..layers).map(|layer| of(KeptLayers::AllBut(layer))).collect();
-        let alone: Vec<_> = match layers {
-            2 => without.iter().rev().cloned().collect(),
-            _ => (0..layers).map(|layer| of(KeptLayers::Only(layer))).collect(),
-        };
-        let bare = of(KeptLayers::None).spectra;
-        let densities = stack.iter().zip(&bare).enumerate().map(|(w, (stack, bare))| {
-            let density = |layer: &LayerNumbers<f64>| -(layer.lit_at_45 / bare.lit_at_45).log10();
-            let layers: f64 = alone.iter().map(|layer| density(&layer.spectra[w])).sum();
-            DensityNumbers { stack: density(stack), layers, ratio: density(stack) / layers }
-        });
-        let densities = densities.collect();
-        Some(LeftOutNumbers { without, alone, densities })
     }
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
@@ -349,39 +256,6 @@ impl<'a> LayerTask<'a> {
     }
 }
 
-/// Layers at every wavelength on paper of these albedos, with what the paper emits under a light.
-pub(super) fn brightened(
-    mut all: Vec<SpectralLayer>,
-    light: &Brightened,
-    wavelengths_nm: &[f64],
-    albedos: &[f64],
-) -> Vec<SpectralLayer> {
-    let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
-    let of_sky =
-        |layer: &SpectralLayer| AreaOptics { entering: layer.numbers.transmittance_diffuse, ..layer.at_45 };
-    let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
-    let mix = AreaMix::whole();
-    let lit = light.below(&mix, &[&at_45], wavelengths_nm);
-    let sky = light.below(&mix, &[&natural], wavelengths_nm);
-    for ((layer, &nm), albedo) in all.iter_mut().zip(wavelengths_nm).zip(albedos) {
-        let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
-        layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
-        layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
-    }
-    all
-}
-
-/// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without
-/// interference say, in proportion, of what R and T with interference leave.
-fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
-    let light = &lights(stack.before(), wave)[0];
-    let nothing = Plate::lambertian(0.0, &stack.behind().weights());
-    let each = stack.absorbed(light, &nothing);
-    let sum: f64 = each.iter().sum();
-    let all = 1.0 - numbers.reflectance_normal - numbers.transmittance_normal;
-    each.into_iter().map(|share| share * ratio(all, sum)).collect()
-}
-
 impl LayerNumbers<f64> {
     /// What a weighted number takes of the layer; `is_excluded` if natural light lacks what the
     /// layer mirrors.
@@ -412,175 +286,4 @@ pub(super) fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Op
         over_black: over_black.lab,
         contrast_ratio: over_black.xyz[1] / over_white.xyz[1],
     })
-}
-
-/// A layer or a stack at one wavelength.
-pub struct SpectralLayer {
-    /// Its numbers.
-    pub numbers: LayerNumbers<f64>,
-    /// As light at 45:0 and light between it and the paper meet it.
-    pub(super) at_45: AreaOptics,
-}
-
-/// A layer or a stack at one wavelength, alone and on paper of this albedo.
-pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> SpectralLayer {
-    let [before, behind] = layer.media;
-    let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
-    let [at_normal, at_45, of_diffuse] = lights(before, wave);
-    let normal = layer.of_light(&at_normal);
-    let normal_changed = normal.changed(layer.change(0.0));
-    let slanted = layer.of_light(&at_45).changed(layer.change_of_shared(oblique));
-    let diffuse = layer.of_light(&of_diffuse).changed(layer.change_of_diffuse());
-    let beam = layer.change_of_beam();
-    let straight = layer.plate.transmission[0][(0, 0)] + beam.transmitted;
-    let mirrored = layer.plate.reflection[0][(0, 0)] + beam.reflected;
-    let mirrored = mirrored.max(0.0).min(normal_changed.reflected);
-    // what returns from the paper has passed at 0°, and passes at 45°
-    let through_normal = ratio(normal_changed.transmitted, normal.transmitted);
-    let through_45 = ratio(slanted.transmitted, layer.transmitted_by_nodes(oblique));
-    let paper = layer.on(albedo);
-    let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
-    let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
-    let alone = lit_at_45(&layer.plate, before, wave);
-    let lit = |on: &OnPaper| {
-        let returned = lit_at_45(&on.plate, before, wave) - alone;
-        alone + through_normal * through_45 * on.returned * returned
-    };
-    let on_paper = lit(&paper);
-    let at_45 = AreaOptics {
-        own: alone,
-        entering: slanted.transmitted,
-        leaving: normal_changed.transmitted / behind.ordinates.index.powi(2),
-        lost: 1.0 - paper.back,
-    };
-    // fluxes go through the nodes, means do not: as a solid, dots give what the fluxes give
-    let series = at_45.entering * at_45.leaving * albedo / ((1.0 - albedo) + albedo * at_45.lost);
-    let at_45 = AreaOptics { leaving: at_45.leaving * ratio(on_paper - alone, series), ..at_45 };
-    let numbers = LayerNumbers {
-        reflectance_normal: normal_changed.reflected,
-        transmittance_normal: normal_changed.transmitted,
-        reflectance_45: slanted.reflected,
-        transmittance_45: slanted.transmitted,
-        reflectance_diffuse: diffuse.reflected,
-        transmittance_diffuse: diffuse.transmitted,
-        absorptance_behind: paper.absorbed,
-        coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
-        mirrored,
-        natural_light: natural - excluded,
-        lit_at_45: on_paper,
-        over_black: lit(&layer.on(BLACK)),
-        over_white: lit(&layer.on(WHITE)),
-    };
-    SpectralLayer { numbers, at_45 }
-}
-
-/// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
-/// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(layer: &Plate, [before, behind]: [&Hemisphere; 2]) -> Distribution<f64> {
-    let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
-        let flux =
-            |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();
-        (0..medium.ordinates.count()).map(|node| flux(node) / projected_sr(medium, node)).collect()
-    };
-    Distribution {
-        reflected: per_sr(&layer.reflection[0], before),
-        transmitted: per_sr(&layer.transmission[0], behind),
-    }
-}
-
-/// Projected solid angle that a node stands for, ∫ cos θ dω, sr.
-pub fn projected_sr(medium: &Hemisphere, node: usize) -> f64 {
-    PI * medium.ordinates.weights[node] / medium.ordinates.index.powi(2)
-}
-
-/// Unit fluxes of light at 0°, at 45° and of diffuse light.
-pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
-    let shares = polarised(medium, wave);
-    let mut all: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(medium.states(), 1));
-    all[0][(0, 0)] = 1.0;
-    let nodes = medium.ordinates.count();
-    let sum = medium.ordinates.weights.iter().sum::<f64>();
-    for (polarisation, share) in shares.into_iter().enumerate() {
-        if medium.oblique_deg.is_some() {
-            all[1][(medium.state(nodes + 1, polarisation), 0)] = share;
-        }
-        for node in 0..nodes {
-            all[2][(medium.state(node + 1, polarisation), 0)] = share * medium.ordinates.weights[node] / sum;
-        }
-    }
-    all
-}
-
-/// π × BRDF at 45:0, by reciprocity: light at 0° that leaves at 45°.
-fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
-    let sine = medium.ordinates.index * PRINT_DEG.to_radians().sin();
-    let shares = polarised(medium, wave);
-    let brdf = |(node, share): (usize, f64)| {
-        let flux = |p: usize| plate.reflection[0][(medium.state(node + 1, p), 0)];
-        let reflected: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
-        share * reflected / medium.ordinates.weights[node]
-    };
-    medium.ordinates.shares(sine).into_iter().map(brdf).sum()
-}
-
-/// What the medium of the slabs is to light. NaN for what these realisations do not determine.
-fn coefficients(slabs: &Slabs, slab_um: f64) -> MediumNumbers<f64> {
-    let medium = &slabs.media[1];
-    let transport = Transport::of_slab(&slabs.inner, medium, slab_um);
-    let of_transport = |get: fn(&Transport) -> f64| transport.as_ref().map_or(f64::NAN, get);
-    let munk = two_flux(&slabs.inner, medium, slab_um);
-    let index = mean_wave_index(slabs, slab_um);
-    // Diffuse light is counted in the half-spaces. Of the same radiance, a medium of index n holds
-    // light in proportion to n²: it absorbs so much more, and so much more passes a thick layer.
-    let more = (index / medium.ordinates.index).powi(2);
-    MediumNumbers {
-        effective_index: index,
-        coherent_path_um: extinction_per_um(&slabs.inner, slab_um).map_or(f64::NAN, f64::recip),
-        scattering_per_um: of_transport(|t| t.scattering_per_um),
-        absorption_per_um: of_transport(|t| t.absorption_per_um),
-        asymmetry: of_transport(|t| t.asymmetry),
-        transport_path_um: of_transport(Transport::mean_free_path_um),
-        kubelka_munk_absorption_per_um: munk.map_or(f64::NAN, |m| m.absorption_per_um / more),
-        kubelka_munk_scattering_per_um: munk.map_or(f64::NAN, |m| m.scattering_per_um * more),
-    }
-}
-
-/// Index of the mean wave at 0°: that of the half-spaces, and what the wave's phase behind an inner
-/// slab is beyond theirs.
-fn mean_wave_index(slabs: &Slabs, slab_um: f64) -> f64 {
-    let embedding = slabs.media[1].ordinates.index;
-    let wavenumber = TAU / slabs.film.wavelength_um;
-    let even = Complex64::from_polar(1.0, wavenumber * embedding * slab_um);
-    // of an inner slab lit from in front at 0°, for each polarisation: transmitted
-    let passed = &slabs.film.slabs[1][0][0];
-    let phases = passed.iter().map(|[_, transmitted]| (transmitted / even).arg());
-    embedding + phases.sum::<f64>() / passed.len() as f64 / (wavenumber * slab_um)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluate::composed::level::tests::{even_plate, slabs_of};
-
-    /// Slabs of the same fluxes whose mean wave has another index than their half-spaces: of the
-    /// same radiance they hold n² times the light, so that K is smaller and S larger by that.
-    /// *Planted*: K and S counted in the half-spaces.
-    #[test]
-    fn kubelka_and_munk_count_light_in_the_medium() {
-        let of_index = |index: f64| {
-            let mut slabs = slabs_of(even_plate(0.0, 1.0), even_plate(0.2, 0.7), even_plate(0.0, 1.0));
-            let passed = Complex64::from_polar(0.5, TAU / slabs.film.wavelength_um * index);
-            slabs.film.slabs[1][0] = vec![vec![[Complex64::ZERO, passed]]];
-            coefficients(&slabs, 1.0)
-        };
-        let [alike, denser] = [of_index(1.5), of_index(1.65)];
-        assert!((denser.effective_index - 1.65).abs() < 1e-12, "{}", denser.effective_index);
-        let square = (1.65_f64 / 1.5).powi(2);
-        let scattering = denser.kubelka_munk_scattering_per_um / alike.kubelka_munk_scattering_per_um;
-        let absorption = denser.kubelka_munk_absorption_per_um / alike.kubelka_munk_absorption_per_um;
-        // the fluxes are the same: rounding
-        assert!((scattering - square).abs() < 1e-12, "{scattering}");
-        assert!((absorption - 1.0 / square).abs() < 1e-12, "{absorption}");
-    }
 }

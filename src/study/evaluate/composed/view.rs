@@ -5,9 +5,10 @@
 //! of all light also goes through the beam at 0°, and has the fringes of the coherent light.
 //! Everything is a mean over the azimuth between the planes of light and view.
 
+use super::distribution::projected_sr;
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::numbers::{LayerTask, projected_sr};
+use super::numbers::LayerTask;
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::Lobes;
 use crate::appearance::composed::stack::PlateStack;

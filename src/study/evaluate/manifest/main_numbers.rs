@@ -4,7 +4,7 @@
 use super::{ColourNote, Manifest, NATURAL_LIGHT, PublishedColours, PublishedSpectra, SpectrumRow};
 use crate::appearance::colour::Colour;
 use crate::evaluate::ink_maker::Target;
-use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, MediumRow};
 use crate::evaluate::published::ErrorParts;
 use crate::numerics::estimate::Estimate;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,10 @@ pub struct MainNumbers {
     pub hex: Option<String>,
     /// One row per wavelength and angle.
     pub spectra: Vec<PrintRow>,
+    /// The packed medium at every wavelength, of a composed layer.
+    pub medium: Vec<MediumRow>,
+    /// Thickness that hides, µm, of a composed layer.
+    pub hiding_thickness_um: Option<Estimate>,
 }
 
 /// A print at one wavelength and angle of incidence.
@@ -56,6 +60,7 @@ impl Manifest<'_> {
     /// The main numbers of the print.
     pub fn main_numbers(&self) -> MainNumbers {
         let maker = self.ink_maker.as_ref();
+        let slabs = self.slabs.as_ref();
         let of_colours = match &self.colours {
             PublishedColours::Whole(notes) => {
                 let natural = notes.iter().find(|note| note.conditions == NATURAL_LIGHT);
@@ -70,6 +75,8 @@ impl Manifest<'_> {
             target: maker.and_then(|maker| maker.target.clone()),
             hex: maker.map(|maker| maker.print.hex.clone()).or(of_colours.hex),
             spectra: self.print_rows(),
+            medium: slabs.map(|slabs| slabs.medium.clone()).unwrap_or_default(),
+            hiding_thickness_um: slabs.and_then(|slabs| Some(slabs.hiding_thickness_um?.estimate())),
             ..of_colours
         }
     }

@@ -18,6 +18,22 @@ pub const DIFFUSE: usize = 9;
 /// Number of functions of the azimuth between the planes.
 pub const AZIMUTHAL: usize = 4;
 
+/// Fitted curves over the angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleCurve {
+    /// Coefficients of the curves between the anchors.
+    pub bends: [[f64; BENDS]; CURVES],
+    /// Coefficients in the light returned by the paper.
+    pub returned: [[f64; BENDS]; CURVES],
+    /// Coefficients of the layer's diffuse BRDF, 1/sr.
+    pub diffuse: [f64; DIFFUSE],
+    /// Coefficients of its dependence on the azimuth, 1/sr.
+    pub azimuthal: [f64; AZIMUTHAL],
+    /// Projected solid angle of an order, averaged over the ensemble, sr; the specular order
+    /// contains this much diffuse light.
+    pub order_area: f64,
+}
+
 /// Basis of a curve over μ: weights of its values at 0° and 45° (Lagrange polynomials through these
 /// and zero at grazing, where every layer reflects everything), and functions that vanish at all
 /// three.
@@ -49,6 +65,24 @@ pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
 /// of the sines keep f smooth at the normal.
 pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
     [s, s * (x + y), s * x * y, 2.0 * s * s - (1.0 - x * x) * (1.0 - y * y)]
+}
+
+/// Fitted difference of a total from the film: weights of the anchors, and curve functions.
+#[inline]
+pub(super) fn curve(
+    anchors: &Anchors,
+    coefficients: &[f64; BENDS],
+    between: [f64; 2],
+    bends: [f64; BENDS],
+    total: usize,
+) -> f64 {
+    between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum::<f64>() + weighted(&bends, coefficients)
+}
+
+/// The sum of functions times their coefficients.
+#[inline]
+pub(super) fn weighted(functions: &[f64], coefficients: &[f64]) -> f64 {
+    functions.iter().zip(coefficients).map(|(f, c)| f * c).sum()
 }
 
 /// Differences from the film at 0° and 45°.

@@ -77,6 +77,24 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
     }
 }
 
+/// Refuses what studies of slabs do not have: `what` is composed, by this table.
+pub(super) fn refuse_beside_slabs(file: &StudyFile, what: &str, table: &str, faults: &mut Faults) {
+    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
+        if there {
+            faults.add(field, "given", format!("{allowed} where {what} is composed"), remedy);
+        }
+    };
+    let angles = file.angles.count.is_some() || file.angles.polar_deg.is_some();
+    let remedy = format!("remove angles.count and angles.polar_deg; {table}.directions sets them");
+    refuse(angles, "angles", "directions of its own", &remedy);
+    let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
+    refuse(file.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
+    let aim = "remove it and set run.realisations; 12 to 24 are usual";
+    refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
+    let measured = "remove [compare]: compare the spectra of results.json";
+    refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+}
+
 /// What composing does not do.
 pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
@@ -89,15 +107,7 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     let gradient = "remove it: slabs are cut from one packing without a gradient";
     let has_profile = file.pigments.iter().any(|pigment| pigment.profile.is_some());
     refuse(has_profile, "pigment.profile", "even layers", gradient);
-    let angles = file.angles.count.is_some() || file.angles.polar_deg.is_some();
-    let remedy = "remove angles.count and angles.polar_deg; layer.composed.directions sets them";
-    refuse(angles, "angles", "directions of its own", remedy);
-    let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
-    refuse(file.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
-    let aim = "remove it and set run.realisations; 12 to 24 are usual";
-    refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
-    let measured = "remove [compare]: compare the spectra of results.json";
-    refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    refuse_beside_slabs(file, "it", "layer.composed", faults);
     let thinnest =
         study.wavelengths_nm.iter().map(|nm| study.embedding_index(1e-3 * nm)).fold(f64::INFINITY, f64::min);
     if !study.pigments.is_empty() && thinnest < 1.0 {

@@ -1,5 +1,6 @@
 //! Stacks that are lists of plates: which layers are solved as a whole, and what cannot be.
 
+use super::composed::refuse_beside_slabs;
 use super::light::check_list;
 use crate::ink::{Joint, Orientation};
 use crate::input::file::{ComposedTable, StackLayerTable};
@@ -144,23 +145,12 @@ fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults
         }
     }
     refuse_metals(study, faults);
-    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
-        if there {
-            faults.add(field, "given", format!("{allowed} where the stack is composed"), remedy);
-        }
-    };
-    let angles = written.angles.count.is_some() || written.angles.polar_deg.is_some();
-    let remedy = "remove angles.count and angles.polar_deg; stack.composed.directions sets them";
-    refuse(angles, "angles", "directions of its own", remedy);
-    let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
-    refuse(written.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
-    let aim = "remove it and set run.realisations; 12 to 24 are usual";
-    refuse(written.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
-    let measured = "remove [compare]: compare the spectra of results.json";
-    refuse(written.compare.measured.is_some(), "compare.measured", "no measurement", measured);
-    let elsewhere = written.areas.iter().any(|area| area.results.is_some());
-    let remedy = "run this study and print it from one that is solved as a whole";
-    refuse(elsewhere, "area.results", "areas of this study's layers", remedy);
+    refuse_beside_slabs(written, "the stack", "stack.composed", faults);
+    if written.areas.iter().any(|area| area.results.is_some()) {
+        let allowed = "areas of this study's layers where the stack is composed";
+        let remedy = "run this study and print it from one that is solved as a whole";
+        faults.add("area.results", "given", allowed, remedy);
+    }
     if study.pigments.is_empty() {
         let remedy = "remove [stack.composed]: a clear stack is solved exactly at any thickness";
         faults.add("layer.pigment", "none", "grains in a layer where the stack is composed", remedy);

@@ -1,7 +1,8 @@
 //! A refractive index in any of its forms.
 
 use crate::input::limits::{ABSORPTION, ANCHOR_NM, CONCENTRATION, DENSITY, INDEX, N_ERROR, PATH_MM};
-use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
+use crate::material::named::{MATERIALS, NamedMaterial};
+use crate::material::synthetic::Synthetic;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};

@@ -27,6 +27,21 @@ impl Study {
         if let StudyKind::Slab(portion) = &self.kind { Some(portion) } else { None }
     }
 
+    /// Thicknesses of the layers that the study is about, µm: several of a composed layer alone.
+    pub fn requested_um(&self) -> Vec<f64> {
+        match self.composed() {
+            Some(composed) => composed.thicknesses_um.clone(),
+            None => vec![self.layer.thickness_um],
+        }
+    }
+
+    /// Requests a composed layer in other thicknesses, µm; other layers keep their own.
+    pub fn request_um(&mut self, thicknesses_um: Vec<f64>) {
+        if let StudyKind::Composed(composed) = &mut self.kind {
+            composed.thicknesses_um = thicknesses_um;
+        }
+    }
+
     /// Why the directions of the light allow no paper and no colour; `None` if they do.
     pub fn no_paper(&self) -> Option<&str> {
         match &self.kind {

@@ -21,6 +21,7 @@ use super::{FAINT, Lobes, MeanField, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul};
 
 /// One element of a stack as the mean wave meets it, at one wavelength.
 #[derive(Clone, Debug)]
@@ -110,18 +111,24 @@ struct FilmMatrix<T> {
     transmitted: T,
 }
 
-impl FilmMatrix<Complex64> {
-    fn then(self, behind: Self) -> Self {
-        let many = 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]);
+impl<T: Copy + Add<Output = T> + Mul<Output = T>> FilmMatrix<T> {
+    /// This in front of `behind`, with q of light that goes back and forth between them.
+    fn joined(self, behind: Self, q: T) -> Self {
         let passed = self.transmitted * self.transmitted;
         let passed_behind = behind.transmitted * behind.transmitted;
         Self {
             reflected: [
-                self.reflected[0] + passed * behind.reflected[0] * many,
-                behind.reflected[1] + passed_behind * self.reflected[1] * many,
+                self.reflected[0] + passed * behind.reflected[0] * q,
+                behind.reflected[1] + passed_behind * self.reflected[1] * q,
             ],
-            transmitted: self.transmitted * behind.transmitted * many,
+            transmitted: self.transmitted * behind.transmitted * q,
         }
+    }
+}
+
+impl FilmMatrix<Complex64> {
+    fn then(self, behind: Self) -> Self {
+        self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]))
     }
 
     fn powers(self) -> FilmMatrix<f64> {
@@ -134,16 +141,7 @@ impl FilmMatrix<Complex64> {
 
 impl FilmMatrix<f64> {
     fn then(self, behind: Self) -> Self {
-        let many = 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT);
-        let passed = self.transmitted * self.transmitted;
-        let passed_behind = behind.transmitted * behind.transmitted;
-        Self {
-            reflected: [
-                self.reflected[0] + passed * behind.reflected[0] * many,
-                behind.reflected[1] + passed_behind * self.reflected[1] * many,
-            ],
-            transmitted: self.transmitted * behind.transmitted * many,
-        }
+        self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT))
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
 use crate::evaluate::composed::level::Slabs;
-use crate::evaluate::composed::numbers::{LayerTask, lights};
+use crate::evaluate::composed::numbers::LayerTask;
+use crate::evaluate::composed::spectral::lights;
 use crate::evaluate::manifest::composed::DepthRow;
 use crate::evaluate::wavelengths::nearest;
 

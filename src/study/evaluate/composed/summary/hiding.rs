@@ -2,12 +2,14 @@
 
 use super::rows::ThicknessRows;
 use crate::evaluate::composed::level::Slabs;
-use crate::evaluate::composed::numbers::{LayerTask, MOST_SLABS};
+use crate::evaluate::composed::numbers::LayerTask;
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::{HidingNumbers, ThicknessNumbers};
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
+/// Most slabs of a layer that is tried for hiding.
+const MOST_SLABS: usize = 1024;
 
 /// Sets the thicknesses of the curve, and those around the one that hides; a reason where there is
 /// none.

@@ -1,9 +1,10 @@
 //! Rows of the published tables, and what of them is withheld.
 
 use crate::appearance::composed::flux::Hemisphere;
+use crate::evaluate::composed::distribution::projected_sr;
 use crate::evaluate::composed::gate::{self, LayerInColour};
 use crate::evaluate::composed::level::Slabs;
-use crate::evaluate::composed::numbers::{LayerTask, projected_sr};
+use crate::evaluate::composed::numbers::LayerTask;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::composed::{
     AbsorbedRow, ComposedColours, ComposedRow, DistributionRow, MediumRow,

@@ -2,8 +2,9 @@
 //! value, values that no medium has.
 
 use crate::input::Fault;
-use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
+use crate::material::named::{MATERIALS, NamedMaterial};
 use crate::material::spectra::{Spectrum, SpectrumError};
+use crate::material::synthetic::Synthetic;
 use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::path::Path;

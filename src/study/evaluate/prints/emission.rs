@@ -1,0 +1,87 @@
+//! Light that a brightened paper emits below the kinds of area of a print.
+
+use crate::appearance::fluorescence::{CUT_NM, summed_nm};
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::viewing::{ColourError, Summation, Viewing};
+use crate::input::measured::MeasuredCondition;
+use crate::input::study::Paper;
+
+/// A brightened paper under a light.
+#[derive(Clone, Debug)]
+pub struct Brightened {
+    /// Wavelengths of the sum over excitation.
+    grid_nm: Vec<f64>,
+    albedos: Vec<f64>,
+    light: Vec<f64>,
+    matrix: Vec<Vec<f64>>,
+}
+
+/// What the paper below every kind of area emits, against wavelength.
+pub struct EmittedLight<'a> {
+    brightened: &'a Brightened,
+    /// \[wavelength\]\[kind of area\]
+    emitted: Vec<Vec<f64>>,
+}
+
+impl Brightened {
+    /// The paper under the light of an instrument, or under an illuminant; `None` if it does not
+    /// fluoresce.
+    ///
+    /// # Errors
+    /// An illuminant that is not known.
+    pub fn under(
+        paper: &Paper,
+        wavelengths_nm: &[f64],
+        condition: Option<MeasuredCondition>,
+        illuminant: &Viewing,
+    ) -> Result<Option<Self>, ColourError> {
+        let of = |name: &str| Viewing::new(name, "2", Summation::Plain);
+        let (lamp, cut_nm) = match condition {
+            None => (illuminant.clone(), 0.0),
+            Some(MeasuredCondition::M0) => (of("A")?, 0.0),
+            Some(MeasuredCondition::M1) => (of("D50")?, 0.0),
+            // polarised light has no ultraviolet either
+            Some(MeasuredCondition::M2 | MeasuredCondition::M3) => (of("D50")?, CUT_NM),
+        };
+        Ok(Self::new(paper, wavelengths_nm, &lamp, cut_nm))
+    }
+
+    /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no
+    /// light; `None` if it does not fluoresce.
+    pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
+        let fluorescence = paper.fluorescence.as_ref()?;
+        let grid_nm = summed_nm(*wavelengths_nm.first()?, *wavelengths_nm.last()?);
+        let power = |&nm: &f64| if nm < cut_nm { 0.0 } else { viewing.power(nm) };
+        let albedo = |&nm: &f64| paper.albedo.at(nm).unwrap_or(f64::NAN);
+        Some(Self {
+            albedos: grid_nm.iter().map(albedo).collect(),
+            light: grid_nm.iter().map(power).collect(),
+            matrix: fluorescence.matrix(&grid_nm),
+            grid_nm,
+        })
+    }
+
+    /// What is emitted below kinds of area that are known at these wavelengths.
+    pub fn below(&self, mix: &AreaMix, kinds: &[&[AreaOptics]], wavelengths_nm: &[f64]) -> EmittedLight<'_> {
+        let at = |&nm: &f64| kinds.iter().map(|kind| AreaOptics::at(kind, wavelengths_nm, nm)).collect();
+        let areas: Vec<Vec<AreaOptics>> = self.grid_nm.iter().map(at).collect();
+        let emitted = mix.emitted(&areas, &self.albedos, &self.light, &self.matrix);
+        EmittedLight { brightened: self, emitted }
+    }
+}
+
+impl EmittedLight<'_> {
+    /// S_k/E at a wavelength; nothing where there is no light to compare with.
+    pub fn relative(&self, nm: f64) -> Vec<f64> {
+        let Brightened { grid_nm, light, .. } = self.brightened;
+        let after = grid_nm.partition_point(|&x| x < nm).min(grid_nm.len().saturating_sub(1));
+        let below =
+            if grid_nm.get(after).is_some_and(|&x| x <= nm) { after } else { after.saturating_sub(1) };
+        let (Some(from), Some(to)) = (grid_nm.get(below), grid_nm.get(after)) else { return Vec::new() };
+        let share = if to > from { ((nm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        let mix = |low: f64, high: f64| low + share * (high - low);
+        let power = mix(light[below], light[after]);
+        let kinds = self.emitted[below].iter().zip(&self.emitted[after]);
+        kinds.map(|(low, high)| if power > 0.0 { mix(*low, *high) / power } else { 0.0 }).collect()
+    }
+}
