@@ -3,6 +3,7 @@
 //! is there where its part of the manifest is.
 
 mod figures;
+mod layers;
 mod slabs;
 
 use super::numbers;
@@ -56,11 +57,19 @@ pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Val
         figures.extend(slabs::figures(manifest, slabs)?);
         parts.push(slabs::page(manifest, slabs));
     }
+    let of_stack = layers::figures(manifest)?;
+    // behind the light's way and what is seen, before an ink maker's plots
+    let place = figures.len().min(if manifest.slabs.is_some() { figures.len() } else { 2 });
+    figures.splice(place..place, of_stack);
     let shown = context! {
         picture => files.picture.map(png_data),
         pictured_um => files.pictured_um,
         tables => Serde(&files.tables),
         thicknesses_um => manifest.thicknesses_um(),
+        layers => layers::in_words(manifest),
+        pictured => files.pictured_um.map(|um| layers::called(manifest, um)),
+        called => manifest.thicknesses_um().iter().map(|um| layers::called(manifest, *um)).collect::<Vec<_>>(),
+        parts => Serde(layers::parts(manifest)),
         conditions => Serde(manifest.colours.whole()),
         failed => Serde(failed(manifest)),
         swatch => manifest.colours.whole().first().map(|note| hex(note.colour.srgb8)),

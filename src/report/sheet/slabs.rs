@@ -2,11 +2,12 @@
 //! coefficients of the medium.
 
 use super::figures::shown_nm;
+use super::layers::called;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
 use crate::evaluate::manifest::Manifest;
-use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, DensityRow, SlabNotes};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, SlabNotes};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
@@ -24,8 +25,14 @@ fn words(judged: &ErrorParts, decimals: usize) -> String {
 }
 
 /// A number that may be withheld.
-fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
+pub(super) fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
     judged.map_or_else(|| "withheld".to_owned(), |judged| words(&judged, decimals))
+}
+
+/// L*, a*, b* without their names.
+pub(super) fn lab_of(judged: Option<[ErrorParts; 3]>) -> String {
+    let Some(judged) = judged else { return "–".to_owned() };
+    judged.map(|part| words(&part, 2)).join(", ")
 }
 
 fn lab(judged: Option<[ErrorParts; 3]>) -> String {
@@ -38,43 +45,49 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 pub(super) fn lines(manifest: &Manifest, slabs: &SlabNotes) -> Vec<String> {
     let mut lines = Vec::new();
     for c in manifest.colours.composed() {
-        let um = c.thickness_um;
         let seen = lab(c.natural_light);
         let ratio = words_of(c.contrast_ratio, 3);
-        lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
+        let um = start(manifest, c.thickness_um, ": ");
+        lines.push(format!("{um}{seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
-        lines.extend(manifest.spectra.composed().iter().map(spectral_line));
+        lines.extend(manifest.spectra.composed().iter().map(|row| spectral_line(manifest, row)));
     }
     lines.extend(slabs.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
     lines
 }
 
-fn spectral_line(row: &ComposedRow) -> String {
-    let um = row.thickness_um;
+/// What a line begins with, where there are several thicknesses or a single layer.
+fn start(manifest: &Manifest, thickness_um: f64, end: &str) -> String {
+    let name = called(manifest, thickness_um);
+    if name.is_empty() { name } else { name + end }
+}
+
+fn spectral_line(manifest: &Manifest, row: &ComposedRow) -> String {
+    let um = start(manifest, row.thickness_um, ", ");
     let nm = row.wavelength_nm;
     let r = words_of(row.layer.reflectance_normal, 4);
     let t = words_of(row.layer.transmittance_normal, 4);
     let diffuse_r = words_of(row.layer.reflectance_diffuse, 4);
     let diffuse_t = words_of(row.layer.transmittance_diffuse, 4);
-    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
+    format!("{um}{nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
 }
 
 /// What the page shows beside the manifest.
 pub(super) fn page(manifest: &Manifest, slabs: &SlabNotes) -> Value {
     context! {
-        patches => Serde(patches(manifest.colours.composed())),
+        patches => Serde(patches(manifest)),
         shown_medium => Serde(shown_medium(manifest, slabs)),
         largest => Serde(largest_parts(manifest)),
     }
 }
 
 /// Names and colours of the patches of every thickness.
-fn patches(colours: &[ComposedColours]) -> Vec<(String, String)> {
+fn patches(manifest: &Manifest) -> Vec<(String, String)> {
     let patch = |layer: &ComposedColours| {
-        Some((format!("{} µm on the paper", layer.thickness_um), layer.hex.clone()?))
+        Some((start(manifest, layer.thickness_um, " ") + "on the paper", layer.hex.clone()?))
     };
-    colours.iter().filter_map(patch).collect()
+    manifest.colours.composed().iter().filter_map(patch).collect()
 }
 
 /// Curves against thickness and depth, and spectra.
@@ -83,9 +96,6 @@ pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<
         ("The light's way", depth_chart(slabs), DEPTH),
         ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
     ];
-    if !slabs.left_out.densities.is_empty() {
-        all.push(("Densities", density_chart(slabs), DENSITIES));
-    }
     // a stack has the thicknesses requested, often one
     if !slabs.curve.is_empty() {
         all.insert(0, ("Against thickness", shares_chart(manifest, slabs), SHARES));
@@ -101,8 +111,6 @@ pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<
 }
 
 const NUMBERS: &str = "Weighted numbers of the study against the thickness, with standard errors.";
-const DENSITIES: &str = "Densities at 45:0 of the stack, and the sum of those of its layers, each alone on the paper \
-    (densities.csv has their quotient). Layers that only filter each other's light have one density.";
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
@@ -189,24 +197,12 @@ fn spectra_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
     for um in &slabs.composed.thicknesses_um {
         let rows = manifest.spectra.composed().iter().filter(|row| row.thickness_um == *um);
         let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
-        curves.push(Curve::measured(format!("{um} µm"), points));
+        let name = called(manifest, *um);
+        let name = if name.is_empty() { "all layers".to_owned() } else { name };
+        curves.push(Curve::measured(name, points));
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
     Chart { y_range: Some([0.0, 1.0]), ..chart }
-}
-
-fn density_chart(slabs: &SlabNotes) -> Chart {
-    let mut curves = Vec::new();
-    for &um in &slabs.composed.thicknesses_um {
-        let curve = |name: &str, density: fn(&DensityRow) -> ErrorParts| {
-            let rows = slabs.left_out.densities.iter().filter(move |row| row.thickness_um == um);
-            let points = rows.map(|row| (row.wavelength_nm, density(row).estimate()));
-            Curve::measured(format!("{name}, {um} µm"), points)
-        };
-        curves.push(curve("stack", |row| row.density_of_stack));
-        curves.push(curve("sum of layers", |row| row.density_of_layers));
-    }
-    Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", "density", curves) }
 }
 
 /// Coefficients of the medium at a few wavelengths.

@@ -207,3 +207,43 @@ fn lab_parts(colour: &Colour, deviations: Vec<[f64; 3]>, study: &Study) -> Optio
     };
     Some([part(0)?, part(1)?, part(2)?])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A factor whose realisations scatter by these, with a further error of the grid.
+    fn factor(value: f64, scatter: [f64; 3], grid: f64) -> Linked {
+        let chance = scatter.iter().map(|by| by * by).sum::<f64>();
+        let estimate = Estimate { value, standard_error: Some((chance + grid * grid).sqrt()) };
+        Linked { estimate, deviations: scatter.into_iter().enumerate().collect() }
+    }
+
+    /// A tenth of the paper's light is a density of 1. Layers that scatter alike in the same realisations add their errors,
+    /// others the squares; the quotient of two densities that move together has no error by chance. *Planted*: the wrong sign;
+    /// squares added in every case.
+    #[test]
+    fn densities_add_with_what_their_realisations_share() {
+        let own = factor(0.09, [0.001, -0.002, 0.002], 0.004);
+        let other = factor(0.09, [0.002, 0.002, 0.001], 0.004);
+        let of = |stack: &Linked, layers: [&Linked; 2]| {
+            densities(Some(stack.clone()), layers.map(|layer| Some(layer.clone())).to_vec(), 0.9).unwrap()
+        };
+        let alike = of(&own, [&own, &own]);
+        let slope = 1.0 / (LN_10 * 0.09);
+        // rounding of some ten operations
+        let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        close(alike.stack.value, 1.0);
+        close(alike.layers.value, 2.0);
+        close(alike.ratio.value, 0.5);
+        close(alike.stack.chance, 0.003 * slope);
+        close(alike.stack.grid, 0.004 * slope);
+        close(alike.layers.chance, 2.0 * 0.003 * slope);
+        close(alike.layers.grid, 0.004 * slope * 2.0_f64.sqrt());
+        close(alike.ratio.chance, 0.0);
+        assert!(alike.ratio.standard_error > 0.0);
+        // the scatter of both is orthogonal
+        close(of(&own, [&own, &other]).layers.chance, 0.003 * slope * 2.0_f64.sqrt());
+        assert_eq!(densities(Some(own.clone()), vec![Some(own), None], 0.9), None);
+    }
+}
