@@ -35,6 +35,9 @@ pub(super) struct ShownFiles<'a> {
     pub tables: Vec<&'static str>,
 }
 
+/// Number of plots of spectra with which the page of a layer that is solved as a whole begins.
+const SPECTRA: usize = 2;
+
 /// What the page of a study shows.
 ///
 /// # Errors
@@ -57,10 +60,9 @@ pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Val
         figures.extend(slabs::figures(manifest, slabs)?);
         parts.push(slabs::page(manifest, slabs));
     }
-    let of_stack = layers::figures(manifest)?;
-    // behind the light's way and what is seen, before an ink maker's plots
-    let place = figures.len().min(if manifest.slabs.is_some() { figures.len() } else { 2 });
-    figures.splice(place..place, of_stack);
+    // of a layer that is solved as a whole: behind what is seen, and what it does without paper
+    let place = if manifest.slabs.is_some() { figures.len() } else { SPECTRA.min(figures.len()) };
+    figures.splice(place..place, layers::figures(manifest)?);
     let shown = context! {
         picture => files.picture.map(png_data),
         pictured_um => files.pictured_um,

@@ -445,6 +445,8 @@ fn parts_of_stacks_are_stacks() {
         let is_rough = part.study.packing.relief.is_some();
         let has_blue = part.study.pigments.iter().any(|pigment| pigment.name == "blue grains");
         assert_eq!(is_rough, has_blue, "{}", part.name);
+        // a rough layer is another one from behind
+        assert!(!is_rough || part.study.angles.exit_strata > 0, "{}", part.name);
     }
 }
 

@@ -1,5 +1,5 @@
-//! What the page of a stack has beside others: what its layers are and absorb, and what it is without
-//! each of them, whichever evaluator made the numbers.
+//! What the page of a stack has beside others: what its layers are and absorb, and what it is
+//! without each of them, whichever evaluator made the numbers.
 
 use super::figures::{Drawing, WAVELENGTH, at_angle, shares, shown_nm};
 use super::slabs::{lab_of, words_of};

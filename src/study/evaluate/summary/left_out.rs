@@ -219,9 +219,9 @@ mod tests {
         Linked { estimate, deviations: scatter.into_iter().enumerate().collect() }
     }
 
-    /// A tenth of the paper's light is a density of 1. Layers that scatter alike in the same realisations add their errors,
-    /// others the squares; the quotient of two densities that move together has no error by chance. *Planted*: the wrong sign;
-    /// squares added in every case.
+    /// A tenth of the paper's light is a density of 1. Layers that scatter alike in the same
+    /// realisations add their errors, others the squares; the quotient of densities that move
+    /// together has no error by chance. *Planted*: the wrong sign; squares added in every case.
     #[test]
     fn densities_add_with_what_their_realisations_share() {
         let own = factor(0.09, [0.001, -0.002, 0.002], 0.004);
