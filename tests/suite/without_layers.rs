@@ -1,11 +1,11 @@
 //! Stacks that are solved as a whole, without each of their layers and each of them alone.
 
+use super::run_continue::StopAfter;
 use super::run_support::{run, study, succeed};
 use inkwave::evaluate::evaluated::FinishedSolves;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
 use inkwave::report::publish::evaluate_and_publish;
-use inkwave::run::watch::{Event, RunWatch};
 use inkwave::run::{RunError, RunSettings};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -18,7 +18,7 @@ use num_complex::Complex64;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 
 const PAPER: f64 = 0.9;
 
@@ -238,7 +238,7 @@ fn inks_without(layers: &[&str]) -> String {
 }
 
 /// Inks without a layer, and a layer alone, are, to rounding, studies without it with the same seed, their bars included; the
-/// stack itself is what it is without the key, and what it costs is told before. *Planted*: layers packed by their number
+/// stack itself is what it is without the key, and the forecast counts what it costs. *Planted*: layers packed by their number
 /// in the whole stack.
 #[test]
 fn inks_without_a_layer_are_studies_without_it() {
@@ -328,24 +328,6 @@ fn plates_say_the_same_of_layers_left_out() {
     let largest = apart.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
     // 70 numbers of 5 wavelengths: significance
     assert!(apart.len() == 70 && mean < 1.5 && largest < 4.5, "{mean} {largest}: {apart:?}");
-}
-
-/// Stops after a number of solves.
-struct StopAfter {
-    solves: usize,
-    done: AtomicUsize,
-}
-
-impl RunWatch for StopAfter {
-    fn stop(&self) -> bool {
-        self.done.load(Ordering::SeqCst) >= self.solves
-    }
-
-    fn hear(&self, event: Event) {
-        if let Event::Solved(..) = event {
-            self.done.fetch_add(1, Ordering::SeqCst);
-        }
-    }
 }
 
 /// A run that is stopped keeps the solves of all parts, tells what is there, and goes on to the same numbers. *Planted*: the

@@ -112,13 +112,13 @@ fn absorbed_by_layers(manifest: &Manifest) -> Drawing {
     };
     let curves = study.stack.iter().map(curve).collect();
     let first = manifest.thicknesses_um().first().map(|um| called(manifest, *um)).unwrap_or_default();
-    let is_told = !manifest.left_out.rows.is_empty();
+    let has_parts = !manifest.left_out.rows.is_empty();
     let caption = format!(
         "The layers in the order of the light: {}. Shown is what each of them absorbs without paper, lit at {angle:.0}°{}; \
          together they absorb what is neither reflected nor transmitted.{}",
         in_words(manifest).join("; "),
         if first.is_empty() { first } else { format!(" ({first})") },
-        if is_told {
+        if has_parts {
             ""
         } else {
             " With stack.without_layers = true the page also tells what the stack is without each of them."
