@@ -5,6 +5,7 @@
 mod figures;
 mod layers;
 mod slabs;
+mod words;
 
 use super::numbers;
 use super::scalar_error;

@@ -2,12 +2,12 @@
 //! without each of them, whichever evaluator made the numbers.
 
 use super::figures::{Drawing, WAVELENGTH, at_angle, shares, shown_nm};
-use super::slabs::{lab_of, words_of};
+use super::words::{lab_of, words_of};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
 use crate::evaluate::manifest::composed::ComposedColours;
-use crate::evaluate::manifest::left_out::{DensityRow, LeftOutRow};
+use crate::evaluate::manifest::left_out::{DensityRow, LeftOutColours, LeftOutRow};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::published::ErrorParts;
 use crate::input::study::{StackLayer, Study};
@@ -183,8 +183,9 @@ fn without_layers(manifest: &Manifest) -> Drawing {
     let first = called(manifest, um);
     let caption = format!(
         "At 45°:0°, as a share of a perfect white: all layers on the paper{}, and the same without each of them, its \
-         neighbours meeting at a plane face (left-out.csv, also under natural light).",
+         neighbours meeting at a plane face{} (left-out.csv, also under natural light).",
         if first.is_empty() { first } else { format!(" ({first})") },
+        if study.stack.len() > 2 { "; dashed: each layer alone" } else { "" },
     );
     let chart = Chart::linear("", WAVELENGTH, "share of a perfect white", curves);
     Some(("Without each layer", Chart { from_zero: true, ..chart }, caption))
@@ -217,7 +218,6 @@ pub(super) struct PartLine {
     name: String,
     /// As screens show it under natural light.
     hex: Option<String>,
-    natural_light: String,
     lit_at_45: String,
     contrast_ratio: String,
 }
@@ -227,32 +227,27 @@ pub(super) fn parts(manifest: &Manifest) -> Vec<PartLine> {
     let line = |name: String, colours: &ComposedColours| PartLine {
         name,
         hex: colours.hex.clone(),
-        natural_light: lab_of(colours.natural_light),
         lit_at_45: lab_of(colours.lit_at_45),
         contrast_ratio: words_of(colours.contrast_ratio, 3),
     };
-    let two = manifest.study.stack.len() == 2;
+    let stack = &manifest.study.stack;
     let mut lines = Vec::new();
-    for part in &manifest.left_out.colours {
-        let name = &part.layer;
-        let other = manifest.study.stack.iter().find(|layer| two && layer.name != *name);
-        if let Some(colours) = &part.without {
-            let words = match other {
-                Some(other) => format!("without {name}: only {}", other.name),
-                None => format!("without {name}"),
-            };
-            lines.push(line(of(&words, &called(manifest, colours.thickness_um)), colours));
+    for LeftOutColours { layer: name, without, alone } in &manifest.left_out.colours {
+        let is_varied = varied(manifest.study).is_some_and(|k| stack[k].name == *name);
+        let is_first =
+            |colours: &&ComposedColours| manifest.thicknesses_um().first() == Some(&colours.thickness_um);
+        // without the varied layer there is one print, and of others alone there is one thickness
+        if let Some(colours) = without.as_ref().filter(|colours| !is_varied || is_first(colours)) {
+            let of_others = if is_varied { String::new() } else { called(manifest, colours.thickness_um) };
+            let other = stack.iter().find(|layer| stack.len() == 2 && layer.name != *name);
+            let only = other.map(|other| format!(": only {}", other.name)).unwrap_or_default();
+            lines.push(line(of(&format!("without {name}{only}"), &of_others), colours));
         }
-        // the varied layer alone has its thicknesses, others have one
-        if let Some(colours) = part.alone.as_ref().filter(|_| !two) {
-            let is_varied = varied(manifest.study).is_some_and(|k| manifest.study.stack[k].name == *name);
-            let is_first = manifest.thicknesses_um().first() == Some(&colours.thickness_um);
-            let um = if is_varied {
-                format!("only {name}, {} µm", colours.thickness_um)
-            } else {
-                format!("only {name}")
-            };
-            lines.extend((is_varied || is_first).then(|| line(um, colours)));
+        if let Some(colours) = alone.as_ref().filter(|colours| is_varied || is_first(colours))
+            && stack.len() > 2
+        {
+            let um = if is_varied { format!("{} µm", colours.thickness_um) } else { String::new() };
+            lines.push(line(of(&format!("only {name}"), &um), colours));
         }
     }
     lines

@@ -3,6 +3,7 @@
 
 use super::figures::shown_nm;
 use super::layers::called;
+use super::words::{words, words_of};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
@@ -15,25 +16,6 @@ use crate::report::columns::heading;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 use serde::Serialize;
-
-/// Smaller errors are rounding, and are not shown.
-const CERTAIN: f64 = 1e-6;
-fn words(judged: &ErrorParts, decimals: usize) -> String {
-    let certain = judged.standard_error < CERTAIN;
-    let estimate = if certain { Estimate::unknown_error(judged.value) } else { judged.estimate() };
-    estimate.in_words(decimals)
-}
-
-/// A number that may be withheld.
-pub(super) fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
-    judged.map_or_else(|| "withheld".to_owned(), |judged| words(&judged, decimals))
-}
-
-/// L*, a*, b* without their names.
-pub(super) fn lab_of(judged: Option<[ErrorParts; 3]>) -> String {
-    let Some(judged) = judged else { return "–".to_owned() };
-    judged.map(|part| words(&part, 2)).join(", ")
-}
 
 fn lab(judged: Option<[ErrorParts; 3]>) -> String {
     let Some(judged) = judged else { return "no colour".to_owned() };
