@@ -126,6 +126,7 @@ impl DesignTask {
         table.insert("title".into(), Value::String(name.clone()));
         let mut study = check(&read_table(table)?, &self.folder, &name)?;
         study.judgement.condition = study.judgement.condition.or(self.condition);
+        study.without_layers = false; // a recipe is the whole print
         let is_listed = self.variables.iter().any(|variable| variable.listed);
         if is_listed {
             // the recipe's own thickness, with the slabs of the first one

@@ -215,7 +215,9 @@ impl FitReading<'_> {
         if self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_none() {
             let _ = set(&mut self.base, "light.sampling", &Value::String("listed".into()));
         }
-        for (table, key) in [("light", "per_realisation"), ("run", "target_delta_e")] {
+        for (table, key) in
+            [("light", "per_realisation"), ("run", "target_delta_e"), ("stack", "without_layers")]
+        {
             if let Some(Value::Table(table)) = self.base.get_mut(table) {
                 table.remove(key);
             }

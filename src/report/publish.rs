@@ -230,7 +230,8 @@ fn pictures(evaluated: &Evaluated) -> PublishResult<Vec<NamedPictures>> {
     let manifest = &evaluated.manifest;
     let study = manifest.study;
     let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
-    let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
+    let of_others = |withheld: &Withheld| is_weighted(&withheld.number) || withheld.is_of_a_part(study);
+    let is_sound = manifest.withheld.iter().all(of_others);
     if manifest.whole().is_some() && !is_sound {
         return Ok(Vec::new());
     }

@@ -3,7 +3,9 @@
 //! is there where its part of the manifest is.
 
 mod figures;
+mod layers;
 mod slabs;
+mod words;
 
 use super::numbers;
 use super::scalar_error;
@@ -36,6 +38,9 @@ pub(super) struct ShownFiles<'a> {
     pub tables: Vec<&'static str>,
 }
 
+/// Number of plots of spectra with which the page of a layer that is solved as a whole begins.
+const SPECTRA: usize = 2;
+
 /// What the page of a study shows.
 ///
 /// # Errors
@@ -57,15 +62,22 @@ pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Val
         }
     }
     if let Some(composed) = manifest.composed() {
-        figures.extend(slabs::figures(study, &composed)?);
-        parts.push(slabs::page(study, &composed));
+        figures.extend(slabs::figures(manifest, &composed)?);
+        parts.push(slabs::page(manifest, &composed));
     }
+    // of a layer that is solved as a whole: behind what is seen, and what it does without paper
+    let place = if whole.is_none() { figures.len() } else { SPECTRA.min(figures.len()) };
+    figures.splice(place..place, layers::figures(manifest)?);
     let conditions = whole.map_or(&[][..], |whole| whole.colours);
     let shown = context! {
         picture => files.picture.map(png_data),
         pictured_um => files.pictured_um,
         tables => Serde(&files.tables),
         thicknesses_um => manifest.thicknesses_um(),
+        layers => layers::in_words(manifest),
+        pictured => files.pictured_um.map(|um| layers::called(manifest, um)),
+        called => manifest.thicknesses_um().iter().map(|um| layers::called(manifest, *um)).collect::<Vec<_>>(),
+        parts => Serde(layers::parts(manifest)),
         conditions => Serde(conditions),
         failed => Serde(failed(manifest)),
         swatch => conditions.first().map(|note| hex(note.colour.srgb8)),
@@ -109,7 +121,7 @@ fn size(grains: &PigmentGrains) -> String {
 /// of every thickness of a composed one.
 pub(super) fn main_results(manifest: &Manifest) -> Vec<String> {
     if let Some(composed) = manifest.composed() {
-        return slabs::lines(&composed);
+        return slabs::lines(manifest, &composed);
     }
     let first = manifest.whole().and_then(|whole| whole.colours.first());
     first.map(colour_in_words).into_iter().collect()

@@ -6,7 +6,8 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
-use crate::evaluate::manifest::composed::{AbsorbedRow, DensityRow, DistributionRow, LeftOutRow};
+use crate::evaluate::manifest::composed::{AbsorbedRow, DistributionRow};
+use crate::evaluate::manifest::left_out::{DensityRow, LeftOutRow};
 use crate::evaluate::manifest::{AbsorbedNote, ComposedResults, Manifest, SpectrumRow};
 use crate::evaluate::printed::{PrintNote, Prints};
 use crate::evaluate::published::{PublishedRow, Quantity};
@@ -51,12 +52,6 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             let about = "what every layer absorbs of light at 0°";
             all.push(("absorbed.csv", absorbed(&slabs.absorbed)?, about));
         }
-        if !slabs.left_out.rows.is_empty() {
-            let about = "the stack on its paper without each of its layers, and each layer alone";
-            all.push(("left-out.csv", left_out(&slabs.left_out.rows)?, about));
-            let about = "densities at 45:0: of the stack, and of its layers alone";
-            all.push(("densities.csv", densities(&slabs.left_out.densities)?, about));
-        }
     }
     if let Some((whole, seen)) = manifest.whole().zip(seen) {
         let certainty = &whole.ensemble.certainty;
@@ -69,6 +64,12 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
         all.extend(instruments(whole.rows)?);
         all.extend(absorbed_by_layers(&manifest.absorbed)?);
         all.extend(ink_maker(manifest.ink_maker.as_ref(), certainty.coverage_factor_95)?);
+    }
+    if !manifest.left_out.rows.is_empty() {
+        let about = "the stack on its paper without each of its layers, and each layer alone";
+        all.push(("left-out.csv", left_out(&manifest.left_out.rows)?, about));
+        let about = "densities at 45:0: of the stack, and of its layers alone";
+        all.push(("densities.csv", densities(&manifest.left_out.densities)?, about));
     }
     all.extend(numbers_table(&weighted)?);
     all.extend(prints(manifest.prints.as_ref())?);
@@ -276,7 +277,7 @@ fn left_out(rows: &[LeftOutRow]) -> csv::Result<Vec<u8>> {
         let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string(), row.layer.clone()];
         let all =
             [row.lit_at_45_without, row.natural_light_without, row.lit_at_45_alone, row.natural_light_alone];
-        (place, all.map(|number| numbers(Some(number.estimate()))))
+        (place, all.map(|number| numbers(number.map(|number| number.estimate()))))
     };
     table(place.into_iter().chain(with_errors(names)), rows.iter().map(line))
 }
@@ -284,7 +285,7 @@ fn left_out(rows: &[LeftOutRow]) -> csv::Result<Vec<u8>> {
 fn densities(rows: &[DensityRow]) -> csv::Result<Vec<u8>> {
     let place = ["thickness_um", "wavelength_nm"].map(str::to_owned);
     let line = |row: &DensityRow| {
-        let all = [Some(row.density_of_stack), Some(row.density_of_layers), row.density_ratio];
+        let all = [row.density_of_stack, row.density_of_layers, row.density_ratio];
         let place = [row.thickness_um, row.wavelength_nm].map(|x| x.to_string());
         (place, all.map(|number| numbers(number.map(|number| number.estimate()))))
     };

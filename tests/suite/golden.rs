@@ -184,7 +184,8 @@ fn compare(name: &str, colours: [f64; 2]) {
     let resolved = solves.grid;
     let refused = Vec::new();
     let damages = Vec::new();
-    let collected = Collected { resolved, realisations, refused, enough: false, damages };
+    let collected =
+        Collected { resolved, realisations, refused, enough: false, substacks: Vec::new(), damages };
     let place = tempfile::tempdir().expect("a folder");
     let out = place.path().join("out");
     let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");

@@ -69,4 +69,5 @@ mod vector_studies;
 mod voxels;
 mod wave_references;
 mod wavelength_grids;
+mod without_layers;
 mod workers;

@@ -26,9 +26,9 @@ fn points(out: &Path) -> Vec<PointRecord> {
 }
 
 /// Stops after a number of solves.
-struct StopAfter {
-    solves: usize,
-    done: AtomicUsize,
+pub struct StopAfter {
+    pub solves: usize,
+    pub done: AtomicUsize,
 }
 
 impl RunWatch for StopAfter {

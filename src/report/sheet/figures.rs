@@ -1,13 +1,13 @@
 //! The page's plots, those for ink makers among them.
 
 use crate::draw::DrawResult;
-use crate::draw::chart::{Chart, Curve, Style};
+use crate::draw::chart::{Chart, Curve};
 use crate::draw::page::Figure;
 use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
-use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow, WholeResults};
+use crate::evaluate::manifest::{Manifest, SpectrumRow, WholeResults};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
-use crate::input::study::{StackLayer, Study};
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use std::f64::consts::PI;
 
@@ -21,21 +21,16 @@ const LIGHT_DEG: f64 = 45.0;
 /// All plots that the finished solves allow.
 pub(super) fn figures(manifest: &Manifest, rows: &[SpectrumRow], seen: &Seen) -> DrawResult<Vec<Figure>> {
     let study = manifest.study;
-    let all = [
-        seen_spectra(study, rows),
-        layer_spectra(study, rows),
-        absorbed_by_layers(study, &manifest.absorbed),
-        flux_through_layers(study, rows, &manifest.absorbed),
-        other_angles(study, rows),
-        brdf(study, seen),
-    ];
+    let all =
+        [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
     all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()
 }
 
 /// Label of the axis of spectra.
-const WAVELENGTH: &str = "wavelength, nm";
+pub(super) const WAVELENGTH: &str = "wavelength, nm";
 
-type Drawing = Option<(&'static str, Chart, String)>;
+/// A heading, its plot and its caption; nothing where there is nothing to show.
+pub(super) type Drawing = Option<(&'static str, Chart, String)>;
 
 /// A spectrum, broken where a wavelength of the study has no value.
 fn spectrum(
@@ -48,7 +43,7 @@ fn spectrum(
 }
 
 /// Shares of the light or of a perfect white, unless there is none.
-fn shares(x_label: &str, y_label: &str, mut curves: Vec<Curve>) -> Option<Chart> {
+pub(super) fn shares(x_label: &str, y_label: &str, mut curves: Vec<Curve>) -> Option<Chart> {
     curves.retain(Curve::has_points);
     let chart = Chart::linear("", x_label, y_label, curves);
     (!chart.curves.is_empty()).then_some(Chart { y_range: Some([0.0, 1.0]), ..chart })
@@ -84,61 +79,6 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
          (|mean t|²), as a print of any size has it. Estimated apart from the whole, they may exceed it within the errors."
     );
     Some(("The layer alone", shares(WAVELENGTH, "share of the light", curves)?, caption))
-}
-
-/// What every layer of a stack absorbs of light along the normal, with the list of layers.
-fn absorbed_by_layers(study: &Study, rows: &[AbsorbedNote]) -> Drawing {
-    let angle = rows.first()?.polar_deg;
-    let curve = |layer: &StackLayer| {
-        let own = rows.iter().filter(|row| row.polar_deg == angle && row.layer == layer.name);
-        let points = own.map(|row| (row.wavelength_nm, row.absorptance));
-        Curve::measured(layer.name.as_str(), points).asked_at(&study.wavelengths_nm)
-    };
-    let curves = study.stack.iter().map(curve).collect();
-    let ranges = study.pigments_of_layers();
-    let in_words = |(number, layer): (usize, &StackLayer)| {
-        let share = |k: usize| {
-            let pigment = &study.pigments[k];
-            format!("{:.1} % {}", 100.0 * pigment.grains.volume_fraction, pigment.name)
-        };
-        let grains: Vec<String> = ranges[number].clone().map(share).collect();
-        let grains = if grains.is_empty() { "no grains".to_owned() } else { grains.join(", ") };
-        format!("{} ({} µm, {grains} in {})", layer.name, layer.thickness_um, layer.binder.source)
-    };
-    let layers: Vec<String> = study.stack.iter().enumerate().map(in_words).collect();
-    let caption = format!(
-        "The layers in the order of the light: {}. Shown is what each of them absorbs without paper, lit at {angle:.0}°; \
-         together they absorb what is neither reflected nor transmitted. Solved as one, the stack says nothing of its layers \
-         left out or alone: [stack.composed] does.",
-        layers.join("; ")
-    );
-    Some(("The layers", shares(WAVELENGTH, "share of the light", curves)?, caption))
-}
-
-/// The net flux at every face of a stack, lit along the normal.
-fn flux_through_layers(study: &Study, rows: &[SpectrumRow], absorbed: &[AbsorbedNote]) -> Drawing {
-    let angle = absorbed.first()?.polar_deg;
-    let rows = at_angle(rows, angle);
-    let solved: Vec<f64> = rows.iter().map(|row| row.wavelength_nm).collect();
-    let curve = |nm: f64| {
-        let row = rows.iter().find(|row| row.wavelength_nm == nm)?;
-        let mut flux = 1.0 - row.reflectance.value;
-        let mut depth_um = 0.0;
-        let mut points = vec![(depth_um, flux)];
-        let here = |note: &&AbsorbedNote| note.wavelength_nm == nm && note.polar_deg == angle;
-        for (layer, note) in study.stack.iter().zip(absorbed.iter().filter(here)) {
-            flux -= note.absorptance.value;
-            depth_um += layer.thickness_um;
-            points.push((depth_um, flux));
-        }
-        Some(Curve::new(format!("{nm:.0} nm"), Style::Data, points))
-    };
-    let curves = shown_nm(&solved).into_iter().filter_map(curve).collect();
-    let caption = format!(
-        "Net flux of light at the faces of the layers without paper, lit at {angle:.0}°: what is not reflected enters, and \
-         falls by what each layer absorbs to what the stack transmits."
-    );
-    Some(("Through the layers", shares("depth, µm", "share of the light", curves)?, caption))
 }
 
 /// Most curves of one kind in the plot of every angle.
@@ -180,7 +120,7 @@ fn against_angle(study: &Study, rows: &[SpectrumRow], nm: f64) -> [Curve; 2] {
     })
 }
 
-fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {
+pub(super) fn at_angle(rows: &[SpectrumRow], polar_deg: f64) -> Vec<SpectrumRow> {
     rows.iter().filter(|row| row.polar_deg == polar_deg).cloned().collect()
 }
 

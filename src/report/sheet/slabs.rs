@@ -2,11 +2,13 @@
 //! coefficients of the medium.
 
 use super::figures::shown_nm;
+use super::layers::called;
+use super::words::{words, words_of};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
-use crate::evaluate::manifest::ComposedResults;
-use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, DensityRow, SlabNotes};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, SlabNotes};
+use crate::evaluate::manifest::{ComposedResults, Manifest};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
@@ -15,19 +17,6 @@ use minijinja::value::Serde;
 use minijinja::{Value, context};
 use serde::Serialize;
 
-/// Smaller errors are rounding, and are not shown.
-const CERTAIN: f64 = 1e-6;
-fn words(judged: &ErrorParts, decimals: usize) -> String {
-    let certain = judged.standard_error < CERTAIN;
-    let estimate = if certain { Estimate::unknown_error(judged.value) } else { judged.estimate() };
-    estimate.in_words(decimals)
-}
-
-/// A number that may be withheld.
-fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
-    judged.map_or_else(|| "withheld".to_owned(), |judged| words(&judged, decimals))
-}
-
 fn lab(judged: Option<[ErrorParts; 3]>) -> String {
     let Some(judged) = judged else { return "no colour".to_owned() };
     let [l, a, b] = judged.map(|part| words(&part, 2));
@@ -35,58 +24,62 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 }
 
 /// The main results in a line each.
-pub(super) fn lines(composed: &ComposedResults) -> Vec<String> {
+pub(super) fn lines(manifest: &Manifest, composed: &ComposedResults) -> Vec<String> {
     let mut lines = Vec::new();
     for c in composed.colours {
-        let um = c.thickness_um;
         let seen = lab(c.natural_light);
         let ratio = words_of(c.contrast_ratio, 3);
-        lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
+        let um = start(manifest, c.thickness_um, ": ");
+        lines.push(format!("{um}{seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
-        lines.extend(composed.rows.iter().map(spectral_line));
+        lines.extend(composed.rows.iter().map(|row| spectral_line(manifest, row)));
     }
     lines.extend(composed.slabs.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
     lines
 }
 
-fn spectral_line(row: &ComposedRow) -> String {
-    let um = row.thickness_um;
+/// What a line begins with, where there are several thicknesses or a single layer.
+fn start(manifest: &Manifest, thickness_um: f64, end: &str) -> String {
+    let name = called(manifest, thickness_um);
+    if name.is_empty() { name } else { name + end }
+}
+
+fn spectral_line(manifest: &Manifest, row: &ComposedRow) -> String {
+    let um = start(manifest, row.thickness_um, ", ");
     let nm = row.wavelength_nm;
     let r = words_of(row.layer.reflectance_normal, 4);
     let t = words_of(row.layer.transmittance_normal, 4);
     let diffuse_r = words_of(row.layer.reflectance_diffuse, 4);
     let diffuse_t = words_of(row.layer.transmittance_diffuse, 4);
-    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
+    format!("{um}{nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
 }
 
 /// What the page shows beside the manifest.
-pub(super) fn page(study: &Study, composed: &ComposedResults) -> Value {
+pub(super) fn page(manifest: &Manifest, composed: &ComposedResults) -> Value {
     context! {
-        patches => Serde(patches(composed.colours)),
-        shown_medium => Serde(shown_medium(study, composed.slabs)),
+        patches => Serde(patches(manifest, composed.colours)),
+        shown_medium => Serde(shown_medium(manifest.study, composed.slabs)),
         largest => Serde(largest_parts(composed.rows)),
     }
 }
 
 /// Names and colours of the patches of every thickness.
-fn patches(colours: &[ComposedColours]) -> Vec<(String, String)> {
+fn patches(manifest: &Manifest, colours: &[ComposedColours]) -> Vec<(String, String)> {
     let patch = |layer: &ComposedColours| {
-        Some((format!("{} µm on the paper", layer.thickness_um), layer.hex.clone()?))
+        Some((start(manifest, layer.thickness_um, " ") + "on the paper", layer.hex.clone()?))
     };
     colours.iter().filter_map(patch).collect()
 }
 
 /// Curves against thickness and depth, and spectra.
-pub(super) fn figures(study: &Study, composed: &ComposedResults) -> DrawResult<Vec<Figure>> {
+pub(super) fn figures(manifest: &Manifest, composed: &ComposedResults) -> DrawResult<Vec<Figure>> {
+    let study = manifest.study;
     let slabs = composed.slabs;
     let mut all = vec![
         ("The light's way", depth_chart(slabs), DEPTH),
-        ("On the paper", spectra_chart(composed), SPECTRA),
+        ("On the paper", spectra_chart(manifest, composed), SPECTRA),
     ];
-    if !slabs.left_out.densities.is_empty() {
-        all.push(("Densities", density_chart(slabs), DENSITIES));
-    }
     // a stack has the thicknesses requested, often one
     if !slabs.curve.is_empty() {
         all.insert(0, ("Against thickness", shares_chart(study, slabs), SHARES));
@@ -102,8 +95,6 @@ pub(super) fn figures(study: &Study, composed: &ComposedResults) -> DrawResult<V
 }
 
 const NUMBERS: &str = "Weighted numbers of the study against the thickness, with standard errors.";
-const DENSITIES: &str = "Densities at 45:0 of the stack, and the sum of those of its layers, each alone on the paper \
-    (densities.csv has their quotient). Layers that only filter each other's light have one density.";
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
@@ -185,29 +176,17 @@ fn depth_chart(slabs: &SlabNotes) -> Chart {
     Chart { from_zero: true, ..Chart::linear("", "depth, µm", "flux, share of the incident light", curves) }
 }
 
-fn spectra_chart(composed: &ComposedResults) -> Chart {
+fn spectra_chart(manifest: &Manifest, composed: &ComposedResults) -> Chart {
     let mut curves = Vec::new();
     for um in &composed.slabs.composed.thicknesses_um {
         let rows = composed.rows_of(*um);
         let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
-        curves.push(Curve::measured(format!("{um} µm"), points));
+        let name = called(manifest, *um);
+        let name = if name.is_empty() { "all layers".to_owned() } else { name };
+        curves.push(Curve::measured(name, points));
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
     Chart { y_range: Some([0.0, 1.0]), ..chart }
-}
-
-fn density_chart(slabs: &SlabNotes) -> Chart {
-    let mut curves = Vec::new();
-    for &um in &slabs.composed.thicknesses_um {
-        let curve = |name: &str, density: fn(&DensityRow) -> ErrorParts| {
-            let rows = slabs.left_out.densities.iter().filter(move |row| row.thickness_um == um);
-            let points = rows.map(|row| (row.wavelength_nm, density(row).estimate()));
-            Curve::measured(format!("{name}, {um} µm"), points)
-        };
-        curves.push(curve("stack", |row| row.density_of_stack));
-        curves.push(curve("sum of layers", |row| row.density_of_layers));
-    }
-    Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", "density", curves) }
 }
 
 /// Coefficients of the medium at a few wavelengths.

@@ -66,6 +66,9 @@ pub struct Swatch {
     pub hex: String,
     /// Standard errors of L*, a*, b*.
     pub lab_standard_error: Option<[f64; 3]>,
+    /// Contribution of each realisation to L*, a*, b*.
+    #[serde(skip)]
+    pub deviations: Vec<[f64; 3]>,
     /// The colour.
     #[serde(flatten)]
     pub colour: Colour,
@@ -118,9 +121,6 @@ struct Question<'a> {
     sight: Sight,
 }
 
-/// A colour, and the contribution of each realisation to its Lab.
-type Painted = (Swatch, Vec<[f64; 3]>);
-
 impl Question<'_> {
     /// The reflectance factor, shifted by errors of R and T.
     fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
@@ -128,17 +128,18 @@ impl Question<'_> {
     }
 
     /// The ink over a backing.
-    fn over(&self, backing: impl Fn(&LayerOnPaper) -> LayerOnPaper) -> Result<Painted, InkError> {
+    fn over(&self, backing: impl Fn(&LayerOnPaper) -> LayerOnPaper) -> Result<Swatch, InkError> {
         self.swatch(&|layer, by| self.factor(&backing(layer), by))
     }
 
     /// Lab with all uncertainty (randomness, grid and residual), and the contribution of each
     /// realisation.
-    fn swatch(&self, moved: &dyn Fn(&LayerOnPaper, Shift) -> f64) -> Result<Painted, InkError> {
+    fn swatch(&self, moved: &dyn Fn(&LayerOnPaper, Shift) -> f64) -> Result<Swatch, InkError> {
         let Widened { colour, deviations, .. } = self.uncertainty.widened(self.ink, &self.sight, moved)?;
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
-        Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
+        let lab_standard_error = colour.lab_standard_error();
+        Ok(Swatch { hex, lab_standard_error, deviations, colour })
     }
 
     /// Y over black relative to Y over white, shifted by errors.
@@ -282,16 +283,16 @@ pub(super) fn ink_maker(
     let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
     let question = Question { ink, uncertainty, seen, viewing, sight: ink.sight(viewing)? };
-    let (print, deviations) = question.over(|layer| *layer)?;
-    let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
+    let print = question.over(|layer| *layer)?;
+    let by = realisations.iter().copied().zip(print.deviations.iter().copied()).collect::<Vec<_>>();
     let (contrast_ratio, moved) = question.contrast_ratio()?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
         conditions: condition
             .map_or(viewing.name(), |condition| format!("{}, {}", viewing.name(), condition.name())),
-        natural_light: question.swatch(&|layer, by| question.seen.natural_light(layer, by))?.0,
-        over_black: question.over(|layer| layer.over(BLACK))?.0,
-        over_white: question.over(|layer| layer.over(WHITE))?.0,
+        natural_light: question.swatch(&|layer, by| question.seen.natural_light(layer, by))?,
+        over_black: question.over(|layer| layer.over(BLACK))?,
+        over_white: question.over(|layer| layer.over(WHITE))?,
         contrast_ratio,
         contrast_deviations: realisations.iter().copied().zip(moved).collect(),
         kubelka_munk,

@@ -1,11 +1,13 @@
 //! `results.json`: the numbers and their provenance.
 
 pub mod composed;
+pub mod left_out;
 pub mod main_numbers;
 mod results;
 mod whole;
 
 use self::composed::{ComposedColours, ComposedRow, SlabNotes};
+use self::left_out::LeftOutNotes;
 pub use self::results::{ComposedResults, WholeResults};
 pub use self::whole::{Certainty, ColourNote, EnsembleNotes, SpectrumReplicates, SpectrumRow};
 use super::ink_maker::InkMaker;
@@ -131,6 +133,9 @@ pub struct Manifest<'a> {
     /// layer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absorbed: Vec<AbsorbedNote>,
+    /// What a stack is without each of its layers, and each alone.
+    #[serde(flatten)]
+    pub left_out: LeftOutNotes,
     /// What a layer composed of slabs has beside these.
     #[serde(flatten)]
     pub slabs: Option<SlabNotes<'a>>,
@@ -251,7 +256,7 @@ pub enum FailureNote {
         /// The error's message.
         reason: String,
     },
-    /// Of a slab: the slab, the realisation and the error's message.
+    /// Of a slab, or of a part of a stack: which, the realisation and the error's message.
     Slab(String),
 }
 

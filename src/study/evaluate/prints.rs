@@ -10,6 +10,7 @@ pub use tint::{InkCoverage, PrintedTint};
 
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
 use crate::appearance::halftone::{murray_davies, yule_nielsen};
+use crate::appearance::paper::Coupling;
 use crate::appearance::paper_series::{AreaMix, AreaOptics, LayerOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
@@ -64,6 +65,27 @@ impl<T> PrintNumbers<T> {
     }
 }
 
+/// Bare paper with this contact, as light at 45:0 meets it.
+fn bare_area(coupling: Coupling) -> AreaOptics {
+    let surface = BareSurface::new(coupling);
+    let [entering, leaving] = surface.passed(PaperGeometry::LitAt45);
+    AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() }
+}
+
+/// Radiance factors of a study's bare paper at 45:0 under D65, at the study's wavelengths.
+pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
+    let nm = &study.wavelengths_nm;
+    let bare = vec![bare_area(study.paper.coupling); nm.len()];
+    let mix = AreaMix::whole();
+    let daylight = Brightened::new(&study.paper, nm, &Viewing::default(), 0.0);
+    let emitted = daylight.as_ref().map(|light| light.below(&mix, &[&bare], nm));
+    let factor = |(&nm, area): (&f64, &AreaOptics)| {
+        let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
+        mix.factor(&[*area], study.paper.albedo.at(nm).unwrap_or(f64::NAN), &emitted)
+    };
+    nm.iter().zip(&bare).map(factor).collect()
+}
+
 /// The prints of a study.
 pub struct PrintTask<'a> {
     study: &'a Study,
@@ -114,15 +136,13 @@ impl<'a> PrintTask<'a> {
         let prints = lights.iter().flat_map(|(condition, _)| {
             ramp.iter().map(move |print| PrintedTint { condition: *condition, ..print.clone() })
         });
-        let surface = BareSurface::new(*coupling);
-        let [entering, leaving] = surface.passed(PaperGeometry::LitAt45);
         Some(Self {
             study,
             prints: prints.collect(),
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok()?,
             viewing: viewing.name(),
             others: mixed.map_or(&[][..], |(_, mixed)| mixed.layers.as_slice()),
-            bare: AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() },
+            bare: bare_area(*coupling),
             albedos: nm.iter().map(|&nm| albedo.at(nm).unwrap_or(f64::NAN)).collect(),
             lights,
         })

@@ -47,7 +47,8 @@ pub struct ErrorParts {
     pub chance: f64,
     /// The error of composing incoherently: what slabs of half the thickness change, beyond chance.
     pub model: f64,
-    /// What the grid's error of R changes.
+    /// What the grid's error of R changes; of parts of a stack that is solved as a whole all that
+    /// is not chance.
     pub grid: f64,
     /// What fringes between the directions that are solved may be: the change when one of these is
     /// left out.

@@ -1,9 +1,12 @@
 //! The numbers of a run, for `results.json`, tables and the page.
 
+mod left_out;
+
 use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
+use super::manifest::left_out::LeftOutNotes;
 use super::manifest::{
     AbsorbedNote, Certainty, ColourNote, Count, EnsembleNotes, FailureNote, Manifest, Provenance,
     PublishedColours, PublishedSpectra, SpectrumReplicates, SpectrumRow,
@@ -31,10 +34,11 @@ const FEWEST: usize = 16;
 
 /// All numbers of a layer that is solved as a whole.
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<'a> {
-    let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
+    let own_records = collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
+    let records = collected.records();
     let solves = Count { asked: study.solves() - collected.spared(study), finished: collected.finished() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
-    let certainty = certainty(collected, &records().collect::<Vec<_>>(), seen, grid);
+    let certainty = certainty(collected, &own_records.collect::<Vec<_>>(), seen, grid);
     let survivors = Survivors::new(study, collected);
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
@@ -52,9 +56,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
     };
     let mut manifest = Manifest {
-        origin: Provenance::new(study, records(), solves),
+        origin: Provenance::new(study, records.iter().copied(), solves),
         solves,
-        failures: failures(collected),
+        failures: [failures(collected), left_out::failures(study, collected)].concat(),
         ensemble: Some(ensemble),
         colours: PublishedColours::Whole(Vec::new()),
         no_colour: None,
@@ -66,8 +70,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         withheld: Vec::new(),
         spectra: PublishedSpectra::Whole(Vec::new()),
         absorbed: absorbed(study, seen, &uncertainty),
+        left_out: LeftOutNotes::default(),
         slabs: None,
-        solve_seconds: records().map(|record| record.account.seconds).sum(),
+        solve_seconds: records.iter().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
     };
@@ -78,6 +83,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     manifest.withheld.extend(reasons);
     let (weighted, reasons) = numbers(study, seen, &uncertainty);
     manifest.numbers = weighted;
+    manifest.withheld.extend(reasons);
+    let (left_out, reasons) = left_out::left_out(&manifest, collected);
+    manifest.left_out = left_out;
     manifest.withheld.extend(reasons);
     manifest
 }

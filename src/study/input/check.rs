@@ -172,6 +172,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
         stack: Vec::new(),
+        without_layers: false,
         pigments,
         dissolved,
         packing,

@@ -6,6 +6,7 @@ mod moved;
 mod number;
 mod parts;
 mod stack;
+mod substack;
 mod written;
 
 pub use super::file::TargetColour;
@@ -16,6 +17,7 @@ pub use number::{WantedNumber, WantedWeights};
 pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, MixedAreas};
 pub use parts::{MixedPrint, Paper};
 pub use parts::{Pigment, StackLayer, WantedResolution};
+pub use substack::Substack;
 pub use written::WrittenAngles;
 
 use super::file::OutputTable;
@@ -41,6 +43,9 @@ pub struct Study {
     pub layer: Layer,
     /// The layers of a stack, in the order of the light; empty for a single layer.
     pub stack: Vec<StackLayer>,
+    /// Whether the stack is also solved without each of its layers, and each layer alone
+    /// ([`Study::substacks`]).
+    pub without_layers: bool,
     /// The pigments with grains, in order.
     pub pigments: Vec<Pigment>,
     /// Pigments without grains (`diameter_nm = "molecular"`), which are included in the index of
@@ -105,7 +110,11 @@ impl Study {
     /// output.
     pub fn key(&self) -> Key {
         let whole = self.key_of_layer();
-        self.portion().map_or(whole.clone(), |portion| Key::of("portion", &(portion, whole)))
+        match self.portion() {
+            Some(portion) => Key::of("portion", &(portion, whole)),
+            None if self.without_layers => Key::of("study with substacks", &whole),
+            None => whole,
+        }
     }
 
     /// The content hash without what distinguishes the slabs of a composed layer.
@@ -314,11 +323,17 @@ impl Study {
         self.solved_wavelengths() * self.angles.count() * self.polarisations().len()
     }
 
-    /// Number of solves of the whole study.
+    /// Number of solves of the whole study, those of its [`Study::substacks`] included.
     pub fn solves(&self) -> usize {
         if self.composed().is_some() {
             return self.portions().iter().map(Study::solves).sum();
         }
+        let of_substacks: usize = self.substacks().iter().map(|part| part.study.solves()).sum();
+        self.own_solves() + of_substacks
+    }
+
+    /// Number of solves of the layer or stack that is solved as a whole.
+    pub fn own_solves(&self) -> usize {
         (0..self.realisations).map(|r| self.solves_of(r)).sum()
     }
 

@@ -67,6 +67,9 @@ pub struct Collected {
     pub refused: Vec<Refused>,
     /// True if `run.target_delta_e` was reached before the last realisation.
     pub enough: bool,
+    /// What is computed of the parts of a stack, in the order of [`Study::substacks`]; `None` of
+    /// those without a packing and a grid, and empty where none are asked for.
+    pub substacks: Vec<Option<Collected>>,
     /// Damage found in the store; what this study needs has been recomputed.
     pub damages: Vec<Damage>,
 }
@@ -120,8 +123,13 @@ pub struct Failure {
 }
 
 impl Collected {
-    /// Number of finished solves.
+    /// Number of finished solves, those of parts of a stack included.
     pub fn finished(&self) -> usize {
+        self.own_finished() + self.substacks.iter().flatten().map(Self::finished).sum::<usize>()
+    }
+
+    /// Number of finished solves of the layer or stack itself.
+    fn own_finished(&self) -> usize {
         let solves = |r: &Realisation| {
             r.points.iter().chain(&r.finer).chain(r.moved.iter().flatten()).flatten().count()
         };
@@ -131,8 +139,17 @@ impl Collected {
     /// Number of the study's solves that are not needed: those of packings without room, and all
     /// that are left once the target is reached.
     pub fn spared(&self, study: &Study) -> usize {
-        let refused = self.refused.iter().map(|refused| study.solves_of(refused.realisation)).sum();
-        if self.enough { study.solves() - self.finished() } else { refused }
+        let refused: usize = self.refused.iter().map(|refused| study.solves_of(refused.realisation)).sum();
+        let own = if self.enough { study.own_solves() - self.own_finished() } else { refused };
+        let parts = study.substacks().into_iter().zip(&self.substacks);
+        let of_parts = parts.filter_map(|(part, solved)| Some(solved.as_ref()?.spared(&part.study)));
+        own + of_parts.sum::<usize>()
+    }
+
+    /// Records of all solves, those of parts of a stack included.
+    pub fn records(&self) -> Vec<&PointRecord> {
+        let own = self.realisations.iter().flat_map(|r| r.points.iter().flatten());
+        own.chain(self.substacks.iter().flatten().flat_map(Self::records)).collect()
     }
 
     /// The failures of all realisations.
@@ -162,6 +179,7 @@ impl Collected {
                 realisations: few.iter().map(realisation).collect(),
                 refused: Vec::new(),
                 enough: false,
+                substacks: Vec::new(),
                 damages: Vec::new(),
             }
         };

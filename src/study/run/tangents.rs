@@ -85,6 +85,7 @@ impl Linearised {
             realisations: self.realisations.iter().map(realisation).collect(),
             refused: Vec::new(),
             enough: false,
+            substacks: Vec::new(),
             damages: Vec::new(),
         }
     }

@@ -75,7 +75,10 @@ pub fn collect(study: &Study, stores: &Stores, known: usize) -> Option<Collected
     let standing = study.target_delta_e.map(|_| Standing::of(study, stores, known));
     let reached = standing.filter(|standing| standing.enough);
     let realisations = reached.map_or(study.realisations, |standing| standing.border);
-    Some(Collected { enough: reached.is_some(), ..collect_some(study, stores, realisations)? })
+    let own = collect_some(study, stores, realisations)?;
+    let substacks = study.substacks();
+    let substacks = substacks.iter().map(|part| collect(&part.study, stores, 0));
+    Some(Collected { enough: reached.is_some(), substacks: substacks.collect(), ..own })
 }
 
 /// Everything stored for the first realisations.
@@ -89,6 +92,7 @@ fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collecte
         realisations,
         refused,
         enough: false,
+        substacks: Vec::new(),
         damages: Vec::new(),
     })
 }
@@ -138,6 +142,11 @@ pub fn stored_seals(study: &Study, stores: &Stores) -> Key {
             }
             seals.push(point);
         }
+    }
+    let substacks = study.substacks();
+    if !substacks.is_empty() {
+        let of_parts: Vec<Key> = substacks.iter().map(|part| stored_seals(&part.study, stores)).collect();
+        return Key::of("stored with substacks", &(seals, of_parts));
     }
     Key::of("stored", &seals)
 }

@@ -1,6 +1,6 @@
 //! One of the studies that are worked off together.
 
-use crate::input::study::Study;
+use crate::input::study::{Study, Substack};
 use std::borrow::Cow;
 
 /// One of the studies that are worked off together, such as one study of a sweep.
@@ -17,9 +17,11 @@ pub fn of_one(name: &str, study: Study) -> Vec<Variant> {
     vec![Variant { name: name.to_owned(), study }]
 }
 
-/// The studies that are solved for these: of a composed layer its slabs, of any other study itself.
+/// The studies that are solved for these: of a composed layer its slabs, of any other study itself,
+/// and behind it the parts of a stack that are asked for.
 pub fn solved_for(variants: &[Variant]) -> Cow<'_, [Variant]> {
-    if variants.iter().all(|variant| variant.study.composed().is_none()) {
+    let is_alone = |study: &Study| study.composed().is_none() && !study.without_layers;
+    if variants.iter().all(|variant| is_alone(&variant.study)) {
         return Cow::Borrowed(variants);
     }
     let mut all = Vec::new();
@@ -30,6 +32,9 @@ pub fn solved_for(variants: &[Variant]) -> Cow<'_, [Variant]> {
         }
         for (k, study) in slabs.into_iter().enumerate() {
             all.push(Variant { name: slab_name(&variant.name, k + 1, &study), study });
+        }
+        for Substack { name, study } in variant.study.substacks() {
+            all.push(Variant { name: format!("{} {name}", variant.name).trim_start().to_owned(), study });
         }
     }
     Cow::Owned(all)

@@ -73,6 +73,16 @@ pub const OF_STACKS: &[Slip] = &[
         "[stack]\ncomposed = { joint_index = 1.558 }",
         ["layer[0].binder.index", "found 1.5", "1.558 or more", "leave the clear layer out"],
     ),
+    slip(
+        "[stack]",
+        "[stack]\nwithout_layer = true",
+        ["stack.without_layer", "unknown key", "`without_layers`", "did you mean without_layers?"],
+    ),
+    slip(
+        "[stack]",
+        "[stack]\nwithout_layers = true",
+        ["stack.without_layers", "true in a stack without paper", "stack on its paper", "leave it false"],
+    ),
     slip("[stack]", "[stack]\nindex_in = 0", ["stack.index_in", "found 0", "from 0.1 to 10", "1 for air"]),
     slip(
         "diameter_nm = 200",

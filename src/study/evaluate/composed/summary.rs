@@ -16,7 +16,8 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::composed::{LeftOutNotes, SlabNotes};
+use crate::evaluate::manifest::composed::SlabNotes;
+use crate::evaluate::manifest::left_out::LeftOutNotes;
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
 };
@@ -73,12 +74,12 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
     let remarks = [thin_slabs(composed, &medium), far_apart(seen_nm, &requested.colours)];
+    let left_out = LeftOutNotes::new(&task, &numbers.left_out, &mut withheld);
     let slabs = SlabNotes {
         composed,
         medium,
         distributions,
         absorbed,
-        left_out: LeftOutNotes::new(&task, &numbers.left_out, &mut withheld),
         curve: curve.rows,
         curve_colours: curve.colours,
         curve_numbers: curve.weighted,
@@ -106,6 +107,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),
+        left_out,
         slabs: Some(slabs),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,

@@ -136,65 +136,6 @@ pub struct AbsorbedRow {
     pub absorptance_normal: ErrorParts,
 }
 
-/// A stack on its paper without one of its layers, and that layer alone, at one wavelength.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LeftOutRow {
-    /// Thickness of the varied layer, or of the stack, µm.
-    pub thickness_um: f64,
-    /// Vacuum wavelength, nm.
-    pub wavelength_nm: f64,
-    /// Name of the layer.
-    pub layer: String,
-    /// Without it, lit at 45° and seen along the normal: π × BRDF.
-    pub lit_at_45_without: ErrorParts,
-    /// Without it, under a uniform sky.
-    pub natural_light_without: ErrorParts,
-    /// It alone, lit at 45° and seen along the normal.
-    pub lit_at_45_alone: ErrorParts,
-    /// It alone, under a uniform sky.
-    pub natural_light_alone: ErrorParts,
-}
-
-/// Colours of a stack without one of its layers, and of that layer alone.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LeftOutColours {
-    /// Name of the layer.
-    pub layer: String,
-    /// The stack without it.
-    pub without: Option<ComposedColours>,
-    /// It alone; its contrast ratio is what it hides by itself.
-    pub alone: Option<ComposedColours>,
-}
-
-/// Densities of a stack at 45:0 and one wavelength, against the bare paper.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DensityRow {
-    /// Thickness of the varied layer, or of the stack, µm.
-    pub thickness_um: f64,
-    /// Vacuum wavelength, nm.
-    pub wavelength_nm: f64,
-    /// −log₁₀ of the radiance factor over that of the bare paper.
-    pub density_of_stack: ErrorParts,
-    /// The sum of those of the layers, each alone.
-    pub density_of_layers: ErrorParts,
-    /// The first over the second; `None` where the second is too small for a quotient.
-    pub density_ratio: Option<ErrorParts>,
-}
-
-/// A stack without each of its layers, and each alone; nothing of one layer.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct LeftOutNotes {
-    /// At every thickness and wavelength.
-    #[serde(rename = "left_out", skip_serializing_if = "Vec::is_empty")]
-    pub rows: Vec<LeftOutRow>,
-    /// Their colours.
-    #[serde(rename = "left_out_colours", skip_serializing_if = "Vec::is_empty")]
-    pub colours: Vec<LeftOutColours>,
-    /// Densities of the stack.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub densities: Vec<DensityRow>,
-}
-
 /// What a composed layer has beside the numbers of every print.
 #[derive(Clone, Debug, Serialize)]
 pub struct SlabNotes<'a> {
@@ -207,9 +148,6 @@ pub struct SlabNotes<'a> {
     /// What every layer of a stack absorbs; none of one layer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absorbed: Vec<AbsorbedRow>,
-    /// What a stack is without each of its layers, and each alone.
-    #[serde(flatten)]
-    pub left_out: LeftOutNotes,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.

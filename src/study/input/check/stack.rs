@@ -32,10 +32,14 @@ pub(super) fn examine(
         collect(&mut wave_faults, &mut part.wave_faults);
     }
     let Some((first, others)) = parts.split_first() else { return nothing(written, folder, name) };
-    let composed = written.stack.as_ref().and_then(|stack| stack.composed.as_ref());
+    let common = written.stack.clone().unwrap_or_default();
+    let composed = common.composed.as_ref();
     // a plate of a library may be alone
     if others.is_empty() && composed.is_none_or(|table| table.joint_index.is_none()) {
         let study = first.study.clone();
+        if common.without_layers {
+            wave_faults.0.push(no_substacks("a stack of one layer", "2 layers or more"));
+        }
         return Examined { study, packing_faults, wave_faults };
     }
     check_periods(&parts, &mut packing_faults);
@@ -48,7 +52,32 @@ pub(super) fn examine(
     if let Some(table) = composed {
         stack_plates::compose(written, layers, table, &mut study, &mut packing_faults);
     }
+    if common.without_layers {
+        wave_faults.0.extend(substack_fault(&study));
+        study.without_layers = study.composed().is_none();
+    }
     Examined { study, packing_faults, wave_faults }
+}
+
+/// Why `stack.without_layers` is refused.
+fn no_substacks(found: &str, allowed: &str) -> Fault {
+    let remedy = "remove stack.without_layers, or leave it false";
+    Fault::new("stack.without_layers", format!("true in {found}"), allowed, remedy)
+}
+
+/// What of a stack keeps it from being told without its layers.
+fn substack_fault(study: &Study) -> Option<Fault> {
+    if study.composed().is_some() {
+        let allowed = "a stack that is solved as a whole: a composed one tells this without it";
+        return Some(no_substacks("a composed stack", allowed));
+    }
+    if let Some(reason) = study.no_ink() {
+        let allowed = format!("a stack on its paper, with directions and wavelengths of a colour: {reason}");
+        return Some(no_substacks("a stack without paper", &allowed));
+    }
+    let varies = !study.pigments.is_empty() || study.variation.thickness_std_um > 0.0;
+    let allowed = "2 realisations or more: one has no error bar; 12 to 24 are usual";
+    (varies && study.realisations < 2).then(|| no_substacks("a study of 1 realisation", allowed))
 }
 
 /// The study as far as it goes where there is no layer at all.

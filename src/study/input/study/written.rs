@@ -58,6 +58,8 @@ pub(super) struct WrittenStudy {
     numbers: Vec<WantedNumber>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     portion: Option<Portion>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    without_layers: bool,
 }
 
 impl Study {
@@ -102,6 +104,7 @@ impl From<Study> for WrittenStudy {
             output: study.output,
             judgement: study.judgement,
             numbers: study.numbers,
+            without_layers: study.without_layers,
         }
     }
 }
@@ -137,6 +140,7 @@ impl From<WrittenStudy> for Study {
             output: written.output,
             judgement: written.judgement,
             numbers: written.numbers,
+            without_layers: written.without_layers,
             remarks: Vec::new(),
         }
     }

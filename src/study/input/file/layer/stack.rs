@@ -43,6 +43,10 @@ pub struct StackTable {
     /// thickness of one layer follows from one set of solves.
     #[schemars(example = ComposedTable::default())]
     pub composed: Option<ComposedTable>,
+    /// Whether a stack that is solved as a whole is also solved without each of its layers, and
+    /// each layer alone: their colours, contrast ratios and densities. It costs the solves of these
+    /// stacks; a composed stack tells this in any case.
+    pub without_layers: bool,
 }
 
 impl Default for StackTable {
@@ -55,6 +59,7 @@ impl Default for StackTable {
             mixing: None,
             contrast: ContrastPart::default(),
             composed: None,
+            without_layers: false,
         }
     }
 }
@@ -108,6 +113,7 @@ impl StudyFile {
                 mixing: self.layer.mixing,
                 contrast: self.layer.contrast,
                 composed: composed.clone(),
+                without_layers: false,
             };
             self.layer.stacked = Some(vec![StackLayerTable {
                 name: Some(name.to_owned()),
@@ -122,6 +128,8 @@ impl StudyFile {
         }
         let first = self.layer.stacked.as_ref().and_then(|layers| layers.first());
         let binder = first.and_then(|layer| layer.binder.index.n);
+        // plates are for stacks of any layers
+        stack.without_layers = false;
         let composed = stack.composed.get_or_insert_default();
         composed.joint_index.get_or_insert(binder.unwrap_or(USUAL_JOINT));
         self.stack = Some(stack);
