@@ -45,12 +45,14 @@ impl Estimate {
     }
 
     /// Display such as `35.55 ± 0.56`: the error with two significant digits and the value rounded
-    /// to match. The value alone, with `decimals`, if the error is unknown or zero; empty for NaN.
+    /// to match. The value alone, with `decimals`, if the error is unknown, zero or rounding; empty
+    /// for NaN.
     pub fn in_words(&self, decimals: usize) -> String {
         if !self.value.is_finite() {
             return String::new();
         }
-        let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0);
+        let rounding = (ROUNDING * self.value.abs()).max(LEAST_ERROR);
+        let error = self.standard_error.filter(|error| error.is_finite() && *error > rounding);
         let Some(error) = error else { return signed(self.value, decimals) };
         // an error with two significant digits
         let decimals = (1 - error.log10().floor() as i32).clamp(0, MOST_DECIMALS) as usize;
@@ -58,6 +60,9 @@ impl Estimate {
     }
 }
 
+/// Errors that are smaller, relative to the value or at all, are rounding.
+const ROUNDING: f64 = 1e-9;
+const LEAST_ERROR: f64 = 1e-12;
 /// Largest number of decimals displayed.
 const MOST_DECIMALS: i32 = 12;
 

@@ -218,6 +218,11 @@ fn within(grain: String, z: f64, radius: f64, height: f64, faults: &mut Faults) 
     if low < -slack || high > height + slack {
         let found = format!("a grain from z = {low:.6} to {high:.6} µm");
         let remedy = "move it, make it smaller, or make the layer thicker";
-        faults.add(grain, found, format!("0 … {height} µm, the layer"), remedy);
+        let allowed = if height.is_finite() {
+            format!("0 … {height} µm, the layer")
+        } else {
+            "0 µm or more, where the layers begin".to_owned()
+        };
+        faults.add(grain, found, allowed, remedy);
     }
 }
