@@ -33,7 +33,7 @@ static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
     })
 });
 
-/// ∫₀¹ of several functions, in so many equal pieces that are halved until two rules agree: fringes
+/// ∫₀¹ of several functions, in equal pieces that are halved until two rules agree: fringes
 /// of thick films and resonances of guided light are not missed.
 fn integral<const N: usize>(begun: usize, functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let mut sum = [0.0; N];
