@@ -26,7 +26,7 @@ use super::fault::{Fault, Faults};
 use super::file::StudyFile;
 use super::forms::ThicknessWritten;
 use super::limits;
-use super::study::{Layer, Pigment, Study};
+use super::study::{Layer, Paper, Pigment, Study};
 use super::variation::Variation;
 use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM};
 use crate::appearance::tristimulus::{Colorimeter, visible};
@@ -153,9 +153,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     }
 
     let mut remarks: Vec<String> = file.light.short_of_end(&wavelengths_nm).into_iter().collect();
-    let mut paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
-    let screen = dots::DotsReader { file: &file, tables: &tables, faults: &mut wave_faults };
-    paper.dots = screen.checked();
+    let paper = paper_in_dots(&file, &tables, &mut wave_faults, &mut remarks);
     let surroundings = Surroundings::of(&file.layer, &file.pigments, paper.coupling);
     let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();
@@ -210,6 +208,18 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         wave_faults.0.extend(target_without_colour(&study));
     }
     Examined { study, packing_faults, wave_faults }
+}
+
+/// The paper, and the dots that the layer is printed on it in.
+fn paper_in_dots(
+    file: &StudyFile,
+    tables: &Tabulation,
+    faults: &mut Faults,
+    remarks: &mut Vec<String>,
+) -> Paper {
+    let mut paper = file.paper.checked(file.layer.index_out, tables, faults, remarks);
+    paper.dots = dots::DotsReader { file, tables, faults }.checked();
+    paper
 }
 
 /// Adds what a user should know of the tables and of the colours' wavelengths.
