@@ -29,7 +29,7 @@ const OLDER: [(&str, &str); 12] = [
     ("reports/peers", "layers solved at once, which methods 8 to 12 leave alone"),
     (
         "reports/latest",
-        "the last night is of method 9; methods 10 and 11 change claims 26 and 33 alone, whose chapters are to be made anew",
+        "the last night is of method 9; claims 26 and 33, uneven and thick layers changed since: to be made anew",
     ),
     (
         "reports/paper-study",
