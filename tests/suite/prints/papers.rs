@@ -1,6 +1,6 @@
 //! Papers of prints: measured, brightened, and some that would be taken for others.
 
-use super::{BANDS, DOTS, Place};
+use super::{BANDS, COMPOSED, DOTS, Place};
 use crate::run_support::{TINY, results, study, succeed};
 use serde_json::Value;
 use std::path::Path;
@@ -276,5 +276,25 @@ fn a_design_aims_at_a_print_in_the_light_of_its_instrument() {
         let away = (0..3).map(|i| (lab[i] - print[i].as_f64().expect("Lab")).powi(2)).sum::<f64>().sqrt();
         // rounding
         assert!(away < 1e-6, "{condition}: {lab:?} {print}");
+    }
+}
+
+/// A base in slabs names no measurement: its recipes take the light of the target's file. *Planted*: that of the illuminant.
+#[test]
+fn a_design_of_slabs_aims_in_the_light_of_the_file() {
+    let place = Place::new();
+    let base = COMPOSED.replace("[1, 2]", "1").replace("[layer]", "[base.layer]");
+    let base = base.replace("[[pigment]]", "[[base.pigment]]").replace("[light]", "[base.light]");
+    let base = base.replace("[run]", "[base.run]").replace("[resolution]", "[base.resolution]");
+    let paper = format!("[base.paper]\nalbedo = 0.9\nfluorescence = {{ {BANDS}, yield = 0.6 }}\n");
+    let target = "[target]\nfile = 'print.csv'\nunit = 'factor'\n[[vary]]\nfield = 'layer.thickness_um'\nfrom = 1.0\nto = 2.0\n";
+    for condition in ["M0", "M1", "M2"] {
+        let measured = table(condition, wavelengths().map(|nm| (nm, 0.5)));
+        std::fs::write(place.0.path().join("print.csv"), measured).unwrap();
+        let file = place.0.path().join("design.toml");
+        std::fs::write(&file, format!("{target}{base}{paper}")).unwrap();
+        let task = inkwave::design::recipe::load(&file).expect("a design");
+        let study = task.study(&[0.5]).expect("a recipe");
+        assert_eq!(study.judgement.condition.map(|light| light.name()), Some(condition));
     }
 }
