@@ -44,12 +44,14 @@ fn inkwave(args: &[&str], here: &Path) -> Output {
 }
 
 /// Smaller cells and fewer realisations for examples whose plans and packings would take most of the time.
-const LIGHTER: [(&str, &str, &str); 12] = [
+const LIGHTER: [(&str, &str, &str); 14] = [
     ("pack-dense-spheres.toml", "period_um = [10.0, 10.0]", "period_um = 1.5"),
     ("pack-cylinders.toml", "period_um = [6.0, 6.0]", "period_um = 1.6"),
     ("composed-small.toml", "period_um = 1.2", "period_um = 0.8"),
     ("crowding.toml", "period_um = 1.2", "period_um = 0.8"),
     ("primer.toml", "period_um = 1.2", "period_um = 0.8"),
+    ("primer.toml", "points_per_um = 20", "points_per_um = 12"),
+    ("white-paint.toml", "slab_um = 1.0", "slab_um = 0.5"),
     ("paper-study.toml", "realisations = 96", "realisations = 8"),
     ("pack-mixture.toml", "period_um = [5.0, 5.0]", "period_um = 2.0"),
     ("pack-periodic-fluid.toml", "sweeps = 250", "sweeps = 50"),
