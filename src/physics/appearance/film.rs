@@ -86,14 +86,18 @@ impl Film {
     /// Amplitudes at the faces, reflected and transmitted, scaled so that their squares are R and
     /// T.
     pub fn amplitudes(&self, side: Side, polar_deg: f64, light: Polarisation) -> [Complex64; 2] {
+        self.wave(side, polar_deg, light).amplitudes(&self.layers_um)
+    }
+
+    /// The wave in the film, for any thicknesses of its layers.
+    pub fn wave(&self, side: Side, polar_deg: f64, light: Polarisation) -> FilmWave {
         let (from, to) = if side == Side::Incident { (1.0, self.index_out) } else { (self.index_out, 1.0) };
         let k0 = TAU / self.wavelength_um;
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         if cos < 1e-12 {
-            return [Complex64::ONE, Complex64::ZERO];
+            return FilmWave { slices: Vec::new(), front: Complex64::ONE, passed: 0.0 };
         }
         let along = from * sin;
-        let normal = |squared: Complex64| nonzero((squared - along * along).sqrt());
         let admittance = |b: Complex64, squared: Complex64| match light {
             Polarisation::S => b,
             Polarisation::P => b / squared,
@@ -102,23 +106,56 @@ impl Film {
         let exit = admittance((Complex64::from(to * to) - along * along).sqrt(), (to * to).into());
         let count = self.squared_indices.len();
         let each = count / self.layers_um.len();
-        let mut gamma = Complex64::ZERO;
-        let mut through = Complex64::ONE;
         let mut after = exit;
+        let mut slices = Vec::with_capacity(count);
         for behind in 0..count {
-            let slice = if side == Side::Incident { count - 1 - behind } else { behind };
-            let squared = self.squared_indices[slice];
-            let b = normal(squared);
+            let number = if side == Side::Incident { count - 1 - behind } else { behind };
+            let squared = self.squared_indices[number];
+            let b = nonzero((squared - along * along).sqrt());
             let here = admittance(b, squared);
-            let (next, passed) = interface(here, after, gamma);
-            let height = k0 * self.layers_um[slice / each] / each as f64;
-            let phase = (Complex64::i() * b * height).exp();
-            through *= passed * phase;
-            gamma = next * phase * phase;
+            let exponent = Complex64::i() * b * k0 / each as f64;
+            slices.push(WaveSlice { layer: number / each, back: face(here, after), exponent });
             after = here;
         }
-        let (reflected, passed) = interface(entry, after, gamma);
-        [reflected, (exit.re / entry.re).max(0.0).sqrt() * through * passed]
+        FilmWave { slices, front: face(entry, after), passed: (exit.re / entry.re).max(0.0).sqrt() }
+    }
+}
+
+/// A plane wave in a film, but for the thicknesses of the layers: what many thicknesses share.
+#[derive(Clone, Debug)]
+pub struct FilmWave {
+    /// From the far face to the near one.
+    slices: Vec<WaveSlice>,
+    /// Reflection of the near face alone.
+    front: Complex64,
+    /// Scale of the transmitted amplitude.
+    passed: f64,
+}
+
+/// A slice of a [`FilmWave`].
+#[derive(Clone, Copy, Debug)]
+struct WaveSlice {
+    /// Number of its layer.
+    layer: usize,
+    /// Reflection of its far face alone.
+    back: Complex64,
+    /// Logarithm of what a passage leaves of the wave, per µm of the layer.
+    exponent: Complex64,
+}
+
+impl FilmWave {
+    /// Amplitudes at the faces, reflected and transmitted, for layers of these thicknesses in µm.
+    pub fn amplitudes(&self, layers_um: &[f64]) -> [Complex64; 2] {
+        let mut gamma = Complex64::ZERO;
+        let mut through = Complex64::ONE;
+        for slice in &self.slices {
+            let (next, passed) = seen_through(slice.back, gamma);
+            let phase = (slice.exponent * layers_um[slice.layer]).exp();
+            through *= passed * phase;
+            gamma = next * phase * phase;
+        }
+        let (reflected, passed) = seen_through(self.front, gamma);
+        [reflected, self.passed * through * passed]
     }
 }
 
@@ -187,12 +224,21 @@ impl Film {
     }
 }
 
-/// Reflection at a face between admittances `a` and `b`, where everything behind reflects `gamma`,
-/// and the transmitted amplitude, both at the face.
+/// Reflection of a face between admittances `a` and `b` alone.
+fn face(a: Complex64, b: Complex64) -> Complex64 {
+    (a - b) / (a + b)
+}
+
+/// Reflection at a face that alone reflects `r`, where everything behind reflects `gamma`, and the
+/// transmitted amplitude, both at the face.
+fn seen_through(r: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
+    let inverse = (1.0 + r * gamma).inv();
+    ((r + gamma) * inverse, (1.0 + r) * inverse)
+}
+
+/// The same between admittances `a` and `b`.
 fn interface(a: Complex64, b: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
-    let r = (a - b) / (a + b);
-    let denominator = 1.0 + r * gamma;
-    ((r + gamma) / denominator, (1.0 + r) / denominator)
+    seen_through(face(a, b), gamma)
 }
 
 /// Avoids zero at the critical angle of a slice.

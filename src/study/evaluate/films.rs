@@ -8,7 +8,7 @@ use crate::wave::{Side, Wave};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
 use std::collections::VecDeque;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
 
 /// Most polarisations of one light, whose amplitudes are mutually incoherent.
@@ -74,8 +74,18 @@ pub(super) fn fringe_nm(nm: f64, thickness_um: f64) -> f64 {
     nm * nm / (2e3 * MEAN_INDEX * thickness_um)
 }
 
-/// The longest of several thicknesses, µm.
-pub(super) fn longest_um(thicknesses: &[ThicknessShare]) -> f64 {
+/// Fringes whose phase varies by more over an uneven layer are averaged out, rad.
+const AVERAGED_OUT: f64 = 6.0;
+
+/// The thickness whose fringes are left at wavelengths of at most `longest_nm`, µm: the longest, or
+/// 0 where a single layer is so uneven that it has none. (Of a stack's other layers they are left.)
+pub(super) fn fringing_um(thicknesses: &[ThicknessShare], is_stack: bool, longest_nm: f64) -> f64 {
+    let mean_um: f64 = thicknesses.iter().map(|of| of.share * of.um).sum();
+    let variance: f64 = thicknesses.iter().map(|of| of.share * (of.um - mean_um).powi(2)).sum();
+    // the least phase: of index 1
+    if !is_stack && 2.0 * TAU * variance.sqrt() > AVERAGED_OUT * 1e-3 * longest_nm {
+        return 0.0;
+    }
     thicknesses.iter().fold(0.0, |longest, of| of.um.max(longest))
 }
 
@@ -100,25 +110,28 @@ pub struct Films<'a> {
 /// The film at one wavelength, averaged over its thicknesses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmAt {
-    films: Vec<FilmShare>,
+    /// Of the first thickness.
+    film: Film,
+    thicknesses: Vec<LayersShare>,
     wave: Wave,
 }
 
-/// The film of one thickness, and its share of the area.
+/// Thicknesses of the film's layers, and their share of the area.
 #[derive(Clone, Debug, PartialEq)]
-struct FilmShare {
-    film: Film,
+struct LayersShare {
+    layers_um: Vec<f64>,
     share: f64,
 }
 
 impl Films<'_> {
     /// The film at a wavelength, averaged over the thicknesses of the ensemble.
     pub fn at(&self, wavelength_nm: f64) -> FilmAt {
-        let film = |thickness: &ThicknessShare| FilmShare {
-            film: self.film(wavelength_nm, thickness.um),
+        let film = self.film(wavelength_nm, self.thicknesses.first().map_or(0.0, |first| first.um));
+        let layers = |thickness: &ThicknessShare| LayersShare {
+            layers_um: self.profile.layers_um(thickness.um),
             share: thickness.share,
         };
-        FilmAt { films: self.thicknesses.iter().map(film).collect(), wave: self.wave }
+        FilmAt { film, thicknesses: self.thicknesses.iter().map(layers).collect(), wave: self.wave }
     }
 
     /// The films for light returned by the paper.
@@ -144,17 +157,18 @@ impl Films<'_> {
 
 impl FilmAt {
     fn even(film: Film, wave: Wave) -> Self {
-        Self { films: vec![FilmShare { film, share: 1.0 }], wave }
+        let thicknesses = vec![LayersShare { layers_um: film.layers_um.clone(), share: 1.0 }];
+        Self { film, thicknesses, wave }
     }
 
     /// Index of the half-space on the exit side.
     pub fn index_out(&self) -> f64 {
-        self.films.first().map_or(1.0, |of| of.film.index_out)
+        self.film.index_out
     }
 
     /// The film for light returned by the paper, which is unpolarised.
     pub fn returned(&self) -> FilmAt {
-        FilmAt { films: self.films.clone(), wave: self.wave.returned() }
+        FilmAt { wave: self.wave.returned(), ..self.clone() }
     }
 
     /// \[R, T\] for light from the incident side.
@@ -170,8 +184,7 @@ impl FilmAt {
         let share = (1.0 / lights.len() as f64).sqrt();
         let mut all = [Complex64::ZERO; LIGHTS];
         for (amplitude, &light) in all.iter_mut().zip(lights) {
-            let film = &self.films[0].film;
-            *amplitude = share * film.amplitudes(Side::Incident, polar_deg, light)[1];
+            *amplitude = share * self.film.amplitudes(Side::Incident, polar_deg, light)[1];
         }
         all
     }
@@ -180,26 +193,30 @@ impl FilmAt {
     pub(super) fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
-        let each = self.films.iter().flat_map(|of| lights.iter().map(move |&light| (of, light)));
-        each.fold([0.0; 2], |[r, t], (FilmShare { film, share }, light)| {
-            let (own_r, own_t) = film.reflectance_transmittance(side, polar_deg, light);
-            let weight = lights.len() as f64 / share;
-            [r + own_r / weight, t + own_t / weight]
-        })
+        let mut totals = [0.0; 2];
+        for &light in lights {
+            let wave = self.film.wave(side, polar_deg, light);
+            for LayersShare { layers_um, share } in &self.thicknesses {
+                let weight = share / lights.len() as f64;
+                let amplitudes = wave.amplitudes(layers_um);
+                totals.iter_mut().zip(amplitudes).for_each(|(sum, a)| *sum += weight * a.norm_sqr());
+            }
+        }
+        totals
     }
 
     /// Shares that the layers of a stack absorb of light from the incident side.
     pub fn absorbed(&self, polar_deg: f64) -> Vec<f64> {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
-        let layers = self.films.first().map_or(0, |of| of.film.layers_um.len());
-        let mut all = vec![0.0; layers];
-        for (FilmShare { film, share }, &light) in
-            self.films.iter().flat_map(|of| lights.iter().map(move |light| (of, light)))
-        {
-            let own = film.absorbed(polar_deg, light);
-            let weight = lights.len() as f64 / share;
-            all.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / weight);
+        let mut all = vec![0.0; self.film.layers_um.len()];
+        for LayersShare { layers_um, share } in &self.thicknesses {
+            let film = Film { layers_um: layers_um.clone(), ..self.film.clone() };
+            for &light in lights {
+                let weight = share / lights.len() as f64;
+                let own = film.absorbed(polar_deg, light);
+                all.iter_mut().zip(own).for_each(|(sum, own)| *sum += weight * own);
+            }
         }
         all
     }
@@ -207,7 +224,7 @@ impl FilmAt {
     /// The film's faces for diffuse light, with its mean index: the real part of √⟨η²⟩ over its
     /// slices.
     pub fn faces(&self) -> DiffuseFaces {
-        let Some(FilmShare { film, .. }) = self.films.first() else { return DiffuseFaces::default() };
+        let film = &self.film;
         let sum: Complex64 = film.squared_indices.iter().sum();
         let index = (sum / film.squared_indices.len().max(1) as f64).sqrt().re;
         let face = Film {
@@ -222,8 +239,8 @@ impl FilmAt {
     /// Pieces of the hemisphere that its fringes ask for; where several thicknesses average them
     /// out, one.
     fn pieces(&self) -> usize {
-        let [FilmShare { film, .. }] = &self.films[..] else { return 1 };
-        let fringes = 2.0 * MEAN_INDEX * film.layers_um.iter().sum::<f64>() / film.wavelength_um;
+        let [LayersShare { layers_um, .. }] = &self.thicknesses[..] else { return 1 };
+        let fringes = 2.0 * MEAN_INDEX * layers_um.iter().sum::<f64>() / self.film.wavelength_um;
         (fringes / FRINGES_OF_A_PIECE).ceil().clamp(1.0, MOST_PIECES as f64) as usize
     }
 

@@ -8,7 +8,7 @@ pub(super) use complete::complete_cells;
 
 use super::coherent::CoherentLight;
 use super::films::{FilmAt, Films, Indices};
-use super::films::{fringe_nm, longest_um};
+use super::films::{fringe_nm, fringing_um};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::GridPart;
@@ -168,8 +168,11 @@ impl Study {
     fn sum_wavelengths_nm(&self) -> Vec<f64> {
         let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
         let ends = ends.filter(|_| !self.numbers.is_empty());
-        let fringe_nm = |nm: f64| fringe_nm(nm, longest_um(&self.thicknesses()));
-        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to], fringe_nm))
+        let is_stack = !self.stack.is_empty();
+        ends.map_or(Vec::new(), |(&from, &to)| {
+            let um = fringing_um(&self.thicknesses(), is_stack, to);
+            sum_wavelengths_nm([from, to], |nm| fringe_nm(nm, um))
+        })
     }
 }
 

@@ -67,8 +67,11 @@ pub const THICKNESS_CUT: f64 = 3.0;
 /// Nodes over it without fringes: absorption by 10 between neighbouring standard deviations is
 /// averaged to 1e-12.
 const LEAST_THICKNESSES: usize = 24;
-/// Most nodes: fringes beyond are averaged to nothing by the distribution itself.
-const MOST_THICKNESSES: usize = 400;
+/// Fringes are followed up to this harmonic: the next is of (r²)⁷, 1e-6 to 1e-8 where an index of
+/// 1.5 to 1.7 borders air.
+const HARMONICS: f64 = 6.0;
+/// Most nodes: thicker layers have fringes beyond number, whose phases they sample.
+const MOST_THICKNESSES: usize = 1200;
 /// No layer's mean index is taken to be higher where fringes are counted.
 pub const MEAN_INDEX: f64 = 2.0;
 /// Strata of μ² are not sampled closer to grazing incidence than 89.4°.
@@ -138,7 +141,7 @@ impl ThicknessShare {
     pub(super) fn uneven(mean_um: f64, std_um: f64, shortest_nm: f64) -> Vec<Self> {
         // phase between the ends of the range by twice the path; degree 2N − 1 is beyond half of it
         let phase = 4.0 * PI * MEAN_INDEX * 2.0 * THICKNESS_CUT * std_um / (1e-3 * shortest_nm);
-        let count = LEAST_THICKNESSES + (0.25 * phase).ceil() as usize;
+        let count = LEAST_THICKNESSES + (0.25 * HARMONICS * phase).ceil() as usize;
         let rule = GaussLegendre::new(count.min(MOST_THICKNESSES)).expect("a positive number of nodes");
         let node = |(x, weight): &(f64, f64)| {
             let deviation = THICKNESS_CUT * x;
@@ -160,9 +163,10 @@ pub(super) fn thickness_um(mean_um: f64, std_um: f64, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     /// Means of absorption and of fringes over uneven layers, against a sum over the density.
-    /// *Planted*: nodes of equal probability.
+    /// *Planted*: nodes of equal probability; nodes for the first harmonic alone.
     #[test]
     fn means_over_uneven_layers_are_those_of_the_density() {
         let (mean_um, std_um, nm) = (4.0, 1.0, 300.0);
@@ -173,7 +177,13 @@ mod tests {
         let sum: f64 = (0..steps as usize).map(|k| density(deviation(k))).sum();
         let absorbed = |um: f64| (-2.5 * um).exp();
         let fringes = |um: f64| 0.5 + 0.5 * (4.0 * PI * 1.5 * um / (1e-3 * nm)).cos();
-        for of in [&absorbed as &dyn Fn(f64) -> f64, &fringes] {
+        // R of Airy, with all harmonics of the fringes, of an index of 1.7 in air
+        let face = (0.7_f64 / 2.7).powi(2);
+        let airy = |um: f64| {
+            let sine = (TAU * 1.7 * um / (1e-3 * nm)).sin().powi(2);
+            4.0 * face * sine / ((1.0 - face).powi(2) + 4.0 * face * sine)
+        };
+        for of in [&absorbed as &dyn Fn(f64) -> f64, &fringes, &airy] {
             let mean: f64 = nodes.iter().map(|node| node.share * of(node.um)).sum();
             let z = |k: usize| deviation(k);
             let exact: f64 =

@@ -2,7 +2,7 @@
 //! weighted numbers and solves, in one list.
 
 use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
-use crate::evaluate::films::{Films, fringe_nm, longest_um};
+use crate::evaluate::films::{Films, fringe_nm, fringing_um};
 use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::wavelengths::SpectralBasis;
 use std::ops::Range;
@@ -60,9 +60,9 @@ impl Places {
 
 /// All wavelengths at which the layer is evaluated, nm, and which of them is for what.
 pub(super) fn places(layer: &LayerEnsemble, films: &Films, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
-    let longest_um = longest_um(&films.thicknesses);
+    let is_stack = !films.profile.layers.is_empty();
     let close = |range_nm: [f64; 2]| {
-        let fringe_nm = fringe_nm(range_nm[0], longest_um);
+        let fringe_nm = fringe_nm(range_nm[0], fringing_um(&films.thicknesses, is_stack, range_nm[1]));
         closely(range_nm, COLOUR_STEP_NM.min(fringe_nm / STEPS_PER_FRINGE))
     };
     let sums_nm = layer.sums_nm.as_slice();
