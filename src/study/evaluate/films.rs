@@ -22,8 +22,11 @@ const CHECKING_ANGLES: usize = 28;
 const MEAN_ERROR: f64 = 1e-7;
 /// Fringes of the pieces that are begun with.
 const FRINGES_OF_A_PIECE: f64 = 16.0;
-/// Most pieces: thicker films have fringes beyond number, whose phases they sample.
+/// Most pieces: thicker films have fringes beyond number, whose phases they sample …
 const MOST_PIECES: usize = 64;
+/// … and most of an uneven film, which has few; at grazing incidence the rest of the sum over its
+/// thicknesses is no smooth function, whose weight is small.
+const MOST_AVERAGED_PIECES: usize = 6;
 
 /// Rules of Gauss and Legendre on 0…1, of the mean and of its check.
 static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
@@ -34,8 +37,9 @@ static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
 });
 
 /// ∫₀¹ of several functions, in equal pieces that are halved until two rules agree: fringes
-/// of thick films and resonances of guided light are not missed.
-fn integral<const N: usize>(begun: usize, functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
+/// of thick films and resonances of guided light are not missed. `begun` and `most` are the
+/// numbers of pieces.
+fn integral<const N: usize>([begun, most]: [usize; 2], functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let mut sum = [0.0; N];
     let width = 1.0 / begun as f64;
     let mut pieces: VecDeque<(f64, f64)> = (0..begun).map(|k| (width * k as f64, width)).collect();
@@ -50,7 +54,7 @@ fn integral<const N: usize>(begun: usize, functions: &impl Fn(f64) -> [f64; N]) 
         });
         let error =
             mean.iter().zip(check).fold(0.0, |most: f64, (mean, check)| most.max((mean - check).abs()));
-        if error > MEAN_ERROR && count < MOST_PIECES {
+        if error > MEAN_ERROR && count < most {
             count += 1;
             let half = 0.5 * width;
             pieces.extend([(from, half), (from + half, half)]);
@@ -236,12 +240,13 @@ impl FilmAt {
         DiffuseFaces::plane(FilmAt::even(face, self.wave).means()[0], index)
     }
 
-    /// Pieces of the hemisphere that its fringes ask for; where several thicknesses average them
-    /// out, one.
-    fn pieces(&self) -> usize {
-        let [LayersShare { layers_um, .. }] = &self.thicknesses[..] else { return 1 };
+    /// Pieces of the hemisphere that its fringes ask for, and at most; where several thicknesses
+    /// average them out, one.
+    fn pieces(&self) -> [usize; 2] {
+        let [LayersShare { layers_um, .. }] = &self.thicknesses[..] else { return [1, MOST_AVERAGED_PIECES] };
         let fringes = 2.0 * MEAN_INDEX * layers_um.iter().sum::<f64>() / self.film.wavelength_um;
-        (fringes / FRINGES_OF_A_PIECE).ceil().clamp(1.0, MOST_PIECES as f64) as usize
+        let begun = (fringes / FRINGES_OF_A_PIECE).ceil().clamp(1.0, MOST_PIECES as f64) as usize;
+        [begun, MOST_PIECES]
     }
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.
