@@ -1,9 +1,11 @@
 //! Stacks as lists of plates: which layers are solved as a whole, which in slabs, and between which
 //! media.
 //!
-//! Behind a layer lies the binder of the next one: the step of index is in the solve of the layer
-//! in front, and the next layer's grains begin behind a wall in their own binder. All media have
-//! the same zones of directions, which end at the indices of all of them.
+//! Between two layers lies a medium without extent, their joint, of the highest index of their
+//! binders and of what is behind the stack: a lower one would mirror light that passes from binder
+//! to binder, or from a paper in contact, where one of the layers is left out. The steps of index
+//! are in the solves of the layers. All media have the same zones of directions, which end at the
+//! indices of all of them.
 
 use super::{Composed, Portion, Position};
 use crate::input::study::{StackLayer, Study, StudyKind};
@@ -39,8 +41,8 @@ pub struct StackedPortion {
 pub struct StackMedia {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
-    /// In front of layer k: for k = 0 the incident side, else the binder of layer k; and the exit
-    /// side.
+    /// In front of layer k: for k = 0 the incident side, else the joint with the layer before; and
+    /// the exit side.
     pub joints: Vec<f64>,
     /// What inner slabs of layer k are solved between; of a clear layer its own index.
     pub within: Vec<f64>,
@@ -102,9 +104,10 @@ impl Study {
                 let index = layer.binder.index_at(um);
                 (index * index).re.max(0.0).sqrt()
             };
-            let mut joints: Vec<f64> = self.stack.iter().map(binder).collect();
+            let binders: Vec<f64> = self.stack.iter().map(binder).collect();
             let within = layers.iter().map(|layer| layer.embedding_index(um)).collect();
-            joints[0] = self.layer.index_in;
+            let mut joints = vec![self.layer.index_in];
+            joints.extend(binders.windows(2).map(|pair| pair[0].max(pair[1]).max(self.layer.index_out)));
             joints.push(self.layer.index_out);
             let joint = self.composed().and_then(|composed| composed.joint_index);
             let outer = joint.map(|_| [self.layer.index_in, self.layer.index_out]);
