@@ -14,7 +14,7 @@ use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::GridPart;
 use super::prints::Brightened;
 use super::samples::SolvedRealisation;
-use super::summed::sum_wavelengths_nm;
+use super::summed::number_wavelengths_nm;
 use super::wavelengths::nearest;
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::film::{Profile, ProfileLayer};
@@ -169,7 +169,7 @@ impl Study {
         let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
         let ends = ends.filter(|_| !self.numbers.is_empty());
         let fringe_nm = |nm: f64| fringe_nm(nm, longest_um(&self.thicknesses()));
-        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to], fringe_nm))
+        ends.map_or(Vec::new(), |(&from, &to)| number_wavelengths_nm([from, to], fringe_nm, &self.numbers))
     }
 }
 

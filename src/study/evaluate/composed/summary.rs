@@ -104,6 +104,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         numbers: requested.weighted,
         prints,
         optics: layer_optics(&task, [&whole, &half], moved.as_ref()),
+        scalar_surface: study.scalar_surface(),
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),

@@ -36,10 +36,11 @@ impl ThicknessRows {
         };
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
+        let fluoresces = task.daylight.is_some();
+        self.withheld.extend(gate::rows(&mut kept, fluoresces));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
-            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], fluoresces };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
