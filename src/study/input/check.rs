@@ -48,8 +48,8 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
     check_relief(file, &study, &mut faults);
-    if let Some(surface) = study.scalar_surface() {
-        study.remarks.push(format!("paper.coupling: {}", surface.in_words()));
+    if let Some(surface) = study.scalar_surface().filter(|_| study.paper.measured.is_some()) {
+        study.remarks.push(format!("paper.measured: {}", surface.in_words()));
     }
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }

@@ -86,9 +86,11 @@ fn the_scalar_wave_says_what_it_makes_of_measured_paper() {
     assert!(said.contains(&words) && page.contains(&words), "{words:?}: {said}");
     // an albedo of the inside is no measurement, unless bare paper is beside dots
     let (said, typed, _) = run("typed", "scalar", "albedo = 0.93");
-    assert!(typed["scalar_surface"].is_null() && !said.contains("paper.coupling"), "{said}");
-    let (said, _, _) = run("dots", "scalar", &format!("albedo = 0.93\n{DOTS}"));
-    assert!(said.contains("paper.coupling: the scalar wave"), "{said}");
+    assert!(typed["scalar_surface"].is_null() && !said.contains("scalar wave"), "{said}");
+    let (_, dots, page) = run("dots", "scalar", &format!("albedo = 0.93\n{DOTS}"));
+    let bare = dots["prints"]["prints"][0]["factors"][0]["value"].as_f64().expect("a factor");
+    let told = dots["scalar_surface"]["bare_paper"]["lit_at_45"].as_f64().expect("a factor");
+    assert!((told - bare).abs() < 1e-12 && page.contains("crosses the paper's surface"), "{told} {bare}");
 }
 
 /// A perfect white behind a face is lighter than a perfect white where it is lit at 45°, above all in p light: the face lets
