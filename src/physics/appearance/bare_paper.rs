@@ -86,8 +86,7 @@ impl BareSurface {
         Self::of_light(coupling, SurfaceLight::Unpolarised)
     }
 
-    /// The same for light that crosses it as s light does, on its way in and on all others: what
-    /// the surface is to the scalar wave.
+    /// This surface as s light meets it, and with it the scalar wave.
     pub fn of_s_light(coupling: Coupling) -> Self {
         Self::of_light(coupling, SurfaceLight::S)
     }

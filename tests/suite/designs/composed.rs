@@ -152,8 +152,8 @@ fn a_target_that_lacks_much_of_the_visible_light_is_refused() {
     }
     for (from, to, lacks) in [(400, 700, false), (420, 700, true), (400, 680, true), (420, 680, true)] {
         let task = of_range(from, to).unwrap_or_else(|error| panic!("{from} to {to} nm: {error}"));
-        let is_told = task.remarks.iter().any(|remark| remark.contains("its end values are taken beyond"));
-        assert_eq!(is_told, lacks, "{from} to {to} nm: {:?}", task.remarks);
+        let has_remark = task.remarks.iter().any(|remark| remark.contains("its end values are taken beyond"));
+        assert_eq!(has_remark, lacks, "{from} to {to} nm: {:?}", task.remarks);
         // a grey stays a grey
         let [l, a, b] = task.lab.expect("a colour");
         assert!((l - 69.47).abs() < 0.05 && a.abs() < 0.1 && b.abs() < 0.1, "{l} {a} {b}");
