@@ -16,8 +16,8 @@ const SLACK: f64 = 2e-3;
 /// Tolerance of L*: that of Y at white.
 const LIGHTNESS_SLACK: f64 = 0.1;
 /// Largest Y, over that of a perfect white, of a print that is lit from one direction. Behind a
-/// plane face of index 1.5 a perfect white has T(45°) T(0°)/T̄: 1.004, and 1.05 in p light. The rest
-/// is for layers that send more light towards the normal than to other directions.
+/// plane face of index 1.5 a perfect white has T(45°) T(0°)/T̄: 1.004, and 1.05 in p light. The
+/// rest is for layers that send more light towards the normal than to other directions.
 const MOST_LUMINANCE: f64 = 1.2;
 /// Tolerance if a single realisation leaves the error unknown.
 const UNKNOWN: f64 = 0.02;
