@@ -308,7 +308,7 @@ fn narrow_weights_are_summed_as_closely_as_they_vary() {
         for (name, rows) in all {
             let [value, _] = number(&results, name);
             let truth = weighted_film(rows, um);
-            // cubics between sixteen wavelengths of a fringe, which has an amplitude of 0.15
+            // thirty-two steps a fringe, whose amplitude is 0.15: trapezia miss 0.003 of it
             assert!((value - truth).abs() < 1e-3, "{name} of {um} µm: {value} {truth}");
         }
         // the luminosity hardly changes within 2 nm

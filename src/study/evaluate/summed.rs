@@ -24,13 +24,14 @@ pub(super) fn sum_wavelengths_nm([from, to]: [f64; 2], fringe_nm: impl Fn(f64) -
     all
 }
 
-/// Steps for every fringe where weights are narrow: between fewer of them cubics miss a tenth of a
-/// fringe, which only broad weights average out. With these it is a thousandth.
-const STEPS_PER_NARROW_FRINGE: f64 = 16.0;
+/// Steps for every fringe where weights are narrow: with fewer of them cubics, and trapezia between
+/// the rows, miss a tenth of a fringe, which only broad weights average out. With these they miss
+/// some thousandths.
+const STEPS_PER_NARROW_FRINGE: f64 = 32.0;
 /// Rows of weights closer than this share of a fringe are summed as they are.
 const CLOSE_ROWS: f64 = 1.0 / 32.0;
 /// Steps between other rows, so that the sum follows the fringes between them.
-const STEPS_BETWEEN_ROWS: f64 = 4.5;
+const STEPS_BETWEEN_ROWS: f64 = 9.0;
 /// No rows of weights ask for closer steps, nm.
 const SHORTEST_STEP_NM: f64 = 0.2;
 /// Most wavelengths that are added for weights.
