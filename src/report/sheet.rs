@@ -141,6 +141,7 @@ fn limits(manifest: &Manifest, whole: Option<&WholeResults>) -> Value {
     context! {
         viewing => manifest.study.judgement.viewing.name(),
         scalar_error => scalar_error::line(manifest.study),
+        surface => manifest.scalar_surface.map(|surface| surface.in_words()),
         lacking => manifest.missing_packings(),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => whole.and_then(|whole| few_wavelengths(manifest.study, whole)),

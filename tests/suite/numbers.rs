@@ -255,3 +255,65 @@ fn fringes_of_thick_films_have_no_colour() {
         }
     }
 }
+
+/// Mean of a film's R with weights that are linear between rows, in steps of a thousandth of each interval.
+fn weighted_film(rows: &[[f64; 2]], thickness_um: f64) -> f64 {
+    let mut sum = 0.0;
+    let mut total = 0.0;
+    for pair in rows.windows(2) {
+        let width = (pair[1][0] - pair[0][0]) / 1000.0;
+        for k in 0..1000 {
+            let share = (f64::from(k) + 0.5) / 1000.0;
+            let weight = width * (pair[0][1] + share * (pair[1][1] - pair[0][1]));
+            let nm = pair[0][0] + share * (pair[1][0] - pair[0][0]);
+            sum += weight * film(Complex64::new(1.9, 0.0), thickness_um, 1.0, nm)[0];
+            total += weight;
+        }
+    }
+    sum / total
+}
+
+/// A laser, a line of 2 nm and a band of an LED are weighted where they are, whichever is closer: the fringes, the rows of
+/// the weights or the wavelengths of broad sums. *Planted*: the wavelengths of broad sums alone, rows alone.
+#[test]
+fn narrow_weights_are_summed_as_closely_as_they_vary() {
+    let laser = vec![[531.99, 0.0], [532.0, 1.0], [532.01, 0.0]];
+    let line = vec![[531.0, 0.0], [532.0, 1.0], [533.0, 0.0]];
+    let band: Vec<[f64; 2]> = (0..=8)
+        .map(|k| {
+            let nm = 600.0 + 5.0 * f64::from(k);
+            [nm, 1.0 - ((nm - 620.0) / 20.0).powi(2)]
+        })
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    let mut numbers = String::new();
+    let all = [("laser", &laser), ("line", &line), ("band", &band)];
+    for (name, rows) in all {
+        let lines: String = rows.iter().map(|[nm, weight]| format!("{nm},{weight}\n")).collect();
+        fs::write(folder.path().join(format!("{name}.csv")), format!("wavelength_nm,weight\n{lines}"))
+            .unwrap();
+        numbers += &format!(
+            "[[number]]\nname = \"{name}\"\nweights = {{ csv = \"{name}.csv\" }}\nof = \"reflectance\"\n"
+        );
+    }
+    numbers +=
+        "[[number]]\nname = \"part\"\nweights = \"E/2\"\nfrom_nm = 531\nto_nm = 533\nof = \"reflectance\"\n";
+    for um in [1.3, 8.0, 20.0, 150.0] {
+        let text = format!(
+            "[layer]\nthickness_um = {um}\nbinder.index = 1.9\n[light]\nfrom_nm = 400\nto_nm = 700\nstep_nm = 20\n{numbers}"
+        );
+        let out = folder.path().join(format!("{um}"));
+        succeed(&study(folder.path(), &text), &out, &[]);
+        let results = results(&out);
+        for (name, rows) in all {
+            let [value, _] = number(&results, name);
+            let truth = weighted_film(rows, um);
+            // thirty-two steps a fringe, whose amplitude is 0.15: trapezia miss 0.003 of it
+            assert!((value - truth).abs() < 1e-3, "{name} of {um} µm: {value} {truth}");
+        }
+        // the luminosity hardly changes within 2 nm
+        let [value, _] = number(&results, "part");
+        let truth = weighted_film(&[[531.0, 0.874], [532.0, 0.885], [533.0, 0.895]], um);
+        assert!((value - truth).abs() < 2e-3, "part of {um} µm: {value} {truth}");
+    }
+}

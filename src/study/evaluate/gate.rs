@@ -15,6 +15,10 @@ use crate::numerics::estimate::Estimate;
 const SLACK: f64 = 2e-3;
 /// Tolerance of L*: that of Y at white.
 const LIGHTNESS_SLACK: f64 = 0.1;
+/// Largest Y, over that of a perfect white, of a print that is lit from one direction. Behind a
+/// plane face of index 1.5 a perfect white has T(45°) T(0°)/T̄: 1.004, and 1.05 in p light. The
+/// rest is for layers that send more light towards the normal than to other directions.
+const MOST_LUMINANCE: f64 = 1.2;
 /// Tolerance if a single realisation leaves the error unknown.
 const UNKNOWN: f64 = 0.02;
 /// A reflectance factor or ratio with a larger standard error is meaningless: its scale is 0 to 1.
@@ -49,12 +53,47 @@ pub fn impossible(quantity: Quantity, number: Estimate) -> Option<String> {
     }
 }
 
+/// How light a print can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Brightest {
+    /// Under a uniform sky: as a perfect white, since no more light leaves than comes in.
+    White,
+    /// Lit from one direction, or on paper that fluoresces: lighter, but not by much.
+    AboveWhite,
+}
+
+impl Brightest {
+    /// Under a uniform sky, on paper that fluoresces or not.
+    pub fn under_sky(fluoresces: bool) -> Self {
+        if fluoresces { Self::AboveWhite } else { Self::White }
+    }
+
+    /// Largest Y over that of a perfect white.
+    fn luminance(self) -> f64 {
+        match self {
+            Self::White => 1.0,
+            Self::AboveWhite => MOST_LUMINANCE,
+        }
+    }
+
+    fn in_words(self) -> String {
+        match self {
+            Self::White => "white".to_owned(),
+            Self::AboveWhite => format!("{MOST_LUMINANCE} times white"),
+        }
+    }
+}
+
 /// Removes impossible colours and gives the reasons.
-pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
+pub(super) fn colours(notes: Vec<ColourNote>, fluoresces: bool) -> (Vec<ColourNote>, Vec<Withheld>) {
     let mut kept = Vec::new();
     let mut withheld = Vec::new();
     for note in notes {
-        match impossible_colour(&note.colour, note.lab_standard_error) {
+        let brightest = match note.conditions == NATURAL_LIGHT {
+            true => Brightest::under_sky(fluoresces),
+            false => Brightest::AboveWhite,
+        };
+        match impossible_colour(&note.colour, note.lab_standard_error, brightest) {
             None => kept.push(note),
             Some(reason) => {
                 withheld.push(Withheld { number: colour_under(&note.conditions), reason });
@@ -65,15 +104,16 @@ pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>
 }
 
 /// The first impossible number for the ink maker.
-pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
+pub(super) fn ink_maker(maker: &InkMaker, fluoresces: bool) -> Option<Withheld> {
     let swatches = [
-        ("on its paper", &maker.print),
-        ("under natural light", &maker.natural_light),
-        ("over black", &maker.over_black),
-        ("over white", &maker.over_white),
+        ("on its paper", &maker.print, Brightest::AboveWhite),
+        ("under natural light", &maker.natural_light, Brightest::under_sky(fluoresces)),
+        ("over black", &maker.over_black, Brightest::AboveWhite),
+        ("over white", &maker.over_white, Brightest::AboveWhite),
     ];
-    let colour = swatches.into_iter().find_map(|(name, Swatch { colour, lab_standard_error, .. })| {
-        let reason = impossible_colour(colour, *lab_standard_error)?;
+    let colour = swatches.into_iter().find_map(|(name, swatch, brightest)| {
+        let Swatch { colour, lab_standard_error, .. } = swatch;
+        let reason = impossible_colour(colour, *lab_standard_error, brightest)?;
         Some(Withheld { number: format!("colour {name}"), reason })
     });
     colour.or_else(|| {
@@ -212,7 +252,11 @@ fn shown(value: f64) -> String {
 }
 
 /// Why a colour is impossible.
-pub(super) fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
+pub(super) fn impossible_colour(
+    colour: &Colour,
+    error: Option<[f64; 3]>,
+    brightest: Brightest,
+) -> Option<String> {
     let lab = colour.lab.map(shown).join(", ");
     if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
         return Some(format!("Lab ({lab}) is not a number"));
@@ -223,9 +267,11 @@ pub(super) fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Opt
         return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
     }
     let lightness_error = error.map_or(100.0 * UNKNOWN, |e| e[0]);
-    if colour.lab[0] > 100.0 + lightness_error + LIGHTNESS_SLACK {
+    let lightest = 116.0 * brightest.luminance().cbrt() - 16.0;
+    if colour.lab[0] > lightest + lightness_error + LIGHTNESS_SLACK {
         return Some(format!(
-            "Lab ({lab}) is lighter than white by more than its error, {}",
+            "Lab ({lab}) is lighter than {} by more than its error, {}",
+            brightest.in_words(),
             shown(lightness_error)
         ));
     }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::manifest::SpectrumReplicates;
+use crate::evaluate::uncertainty::Budget;
 
 fn estimate(value: f64, error: f64) -> Estimate {
     Estimate { value, standard_error: Some(error) }
@@ -43,12 +44,42 @@ fn colours_that_cannot_be_are_withheld() {
         (0.5, Some([4.0, 80.0, 3.0]), "is not meaningful"),
         (0.5, Some([f64::NAN; 3]), "not a number"),
     ] {
-        let reason = impossible_colour(&grey(value), error).unwrap();
+        let reason = impossible_colour(&grey(value), error, Brightest::White).unwrap();
         assert!(reason.contains(word), "{reason}");
     }
     for (value, error) in [(0.0, small), (1.0, small), (1.005, small), (0.5, Some([20.0; 3])), (0.9, None)] {
-        assert_eq!(impossible_colour(&grey(value), error), None, "{value}");
+        assert_eq!(impossible_colour(&grey(value), error, Brightest::White), None, "{value}");
     }
+    // lit from one direction a white behind a face may read 1.05
+    for (value, error) in [(1.05, small), (1.1, small), (1.2, None)] {
+        assert_eq!(impossible_colour(&grey(value), error, Brightest::AboveWhite), None, "{value}");
+    }
+    let reason = impossible_colour(&grey(1.4), small, Brightest::AboveWhite).unwrap();
+    assert!(reason.contains("lighter than 1.2 times white"), "{reason}");
+}
+
+/// On plain paper a print under a uniform sky is no lighter than white; on paper that fluoresces,
+/// and lit from one side, it may be. *Planted*: one bound for all of them.
+#[test]
+fn prints_may_be_lighter_than_white_from_one_side_alone() {
+    let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
+    let colour = Colorimeter::new(&grid).unwrap().colour(&[1.05; 31]).unwrap();
+    let note = |conditions: &str| ColourNote {
+        conditions: conditions.into(),
+        chroma: estimate(0.0, 0.1),
+        hue_deg: estimate(0.0, 0.1),
+        lab_standard_error: Some([0.1; 3]),
+        delta_e_2000_95: None,
+        budget: Budget::default(),
+        deviations: Vec::new(),
+        colour,
+    };
+    let notes = || vec![note(NATURAL_LIGHT), note(LIT_AT_45)];
+    let (kept, withheld) = colours(notes(), false);
+    assert!(kept.len() == 1 && kept[0].conditions == LIT_AT_45, "{kept:?}");
+    assert!(withheld.len() == 1 && withheld[0].number == colour_under(NATURAL_LIGHT), "{withheld:?}");
+    let (kept, withheld) = colours(notes(), true);
+    assert!(kept.len() == 2 && withheld.is_empty(), "{withheld:?}");
 }
 
 /// A spline through few wavelengths may dip below 0, which is acceptable. What is far outside is

@@ -15,7 +15,7 @@ use super::printed::Prints;
 use super::published::{NumberNote, Withheld};
 pub use super::uncertainty::Budget;
 use crate::appearance::paper_series::LayerOptics;
-use crate::input::study::Study;
+use crate::input::study::{ScalarSurface, Study};
 use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
@@ -124,6 +124,9 @@ pub struct Manifest<'a> {
     /// what prints of other studies take of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub optics: Option<LayerOptics>,
+    /// What the scalar wave does to the surface of a paper whose bare factors enter the results.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scalar_surface: Option<ScalarSurface>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,

@@ -14,7 +14,7 @@ use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::GridPart;
 use super::prints::Brightened;
 use super::samples::SolvedRealisation;
-use super::summed::sum_wavelengths_nm;
+use super::summed::number_wavelengths_nm;
 use super::wavelengths::nearest;
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::film::{Profile, ProfileLayer};
@@ -171,7 +171,7 @@ impl Study {
         let is_stack = !self.stack.is_empty();
         ends.map_or(Vec::new(), |(&from, &to)| {
             let um = fringing_um(&self.thicknesses(), is_stack, to);
-            sum_wavelengths_nm([from, to], |nm| fringe_nm(nm, um))
+            number_wavelengths_nm([from, to], |nm| fringe_nm(nm, um), &self.numbers)
         })
     }
 }

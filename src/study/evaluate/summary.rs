@@ -67,6 +67,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         numbers: Vec::new(),
         prints: None,
         optics: None,
+        scalar_surface: study.scalar_surface(),
         withheld: Vec::new(),
         spectra: PublishedSpectra::Whole(Vec::new()),
         absorbed: absorbed(study, seen, &uncertainty),
@@ -97,7 +98,8 @@ fn enter_looks(manifest: &mut Manifest, seen: &Seen, uncertainty: &Uncertainty) 
     let colours = ink
         .and_then(|ink| colours(manifest.study, seen, ink, uncertainty).map_err(|error| error.to_string()));
     let is_coloured = colours.is_ok();
-    match colours.map(gate::colours) {
+    let fluoresces = manifest.study.paper.fluorescence.is_some();
+    match colours.map(|notes| gate::colours(notes, fluoresces)) {
         Ok(judged) => {
             let (notes, withheld) = judged;
             let reasons = withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; ");
@@ -111,7 +113,7 @@ fn enter_looks(manifest: &mut Manifest, seen: &Seen, uncertainty: &Uncertainty) 
     manifest.prints = ink_prints(manifest.study, ink, uncertainty).ok().flatten();
     manifest.optics = ink_optics(manifest.study, ink, uncertainty).ok();
     match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
-        Ok(mut numbers) => match gate::ink_maker(&numbers) {
+        Ok(mut numbers) => match gate::ink_maker(&numbers, fluoresces) {
             None => {
                 gate::kubelka_munk(&mut numbers);
                 manifest.ink_maker = Some(numbers);

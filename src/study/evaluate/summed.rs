@@ -2,6 +2,8 @@
 //! errors of their sums follow from.
 
 use crate::appearance::tristimulus::Guide;
+use crate::appearance::weighted::WeightTable;
+use crate::input::study::{WantedNumber, WantedWeights};
 
 /// Step of the wavelengths that numbers are summed over, as a share of the wavelength: some 5 nm in
 /// the visible range.
@@ -19,6 +21,108 @@ pub(super) fn sum_wavelengths_nm([from, to]: [f64; 2], fringe_nm: impl Fn(f64) -
     let place = |k: usize| from * (to / from).powf(k as f64 / steps as f64);
     let mut all: Vec<f64> = (0..=steps).map(place).collect();
     all[steps] = to;
+    all
+}
+
+/// Steps for every fringe where weights are narrow: with fewer of them cubics, and trapezia between
+/// the rows, miss a tenth of a fringe, which only broad weights average out. With these they miss
+/// some thousandths.
+const STEPS_PER_NARROW_FRINGE: f64 = 32.0;
+/// Rows of weights closer than this share of a fringe are summed as they are.
+const CLOSE_ROWS: f64 = 1.0 / 32.0;
+/// Steps between other rows, so that the sum follows the fringes between them.
+const STEPS_BETWEEN_ROWS: f64 = 9.0;
+/// No rows of weights ask for closer steps, nm.
+const SHORTEST_STEP_NM: f64 = 0.2;
+/// Most wavelengths that are added for weights.
+const MOST_ADDED: f64 = 5_000.0;
+/// What a step may differ from its neighbour, as a share of it: cubics run through wavelengths that
+/// are spaced nearly alike.
+const GRADING: f64 = 0.3;
+/// Weights of this program within a share of their wavelength are narrow; all others are so broad
+/// that fringes average out.
+const NARROW: f64 = 0.1;
+
+/// Wavelengths that are summed over within a range and closer ones within others.
+#[derive(Clone, Copy, Debug)]
+struct CloseSteps {
+    range_nm: [f64; 2],
+    step_nm: f64,
+}
+
+impl CloseSteps {
+    /// The longest step at a wavelength that these allow.
+    fn at(&self, nm: f64) -> f64 {
+        let [from, to] = self.range_nm;
+        self.step_nm + GRADING * (from - nm).max(nm - to).max(0.0)
+    }
+}
+
+/// As [`sum_wavelengths_nm`], and closer where one of the numbers has weights that vary more
+/// closely than that: those of files, and narrow parts of others.
+pub(super) fn number_wavelengths_nm(
+    range_nm: [f64; 2],
+    fringe_nm: impl Fn(f64) -> f64,
+    numbers: &[WantedNumber],
+) -> Vec<f64> {
+    let wide = sum_wavelengths_nm(range_nm, &fringe_nm);
+    let mut close = Vec::new();
+    for number in numbers {
+        let is_of_file = matches!(number.weights, WantedWeights::Table { .. });
+        let tables = number.tables().map_or(Vec::new(), |named| named.tables);
+        for table in tables.iter().filter(|table| is_of_file || is_narrow(table)) {
+            close.extend(close_steps(table, range_nm, &fringe_nm));
+        }
+    }
+    let usual_nm = |nm: f64| {
+        let after = wide.partition_point(|&x| x <= nm).clamp(1, wide.len() - 1);
+        wide[after] - wide[after - 1]
+    };
+    close.retain(|steps| steps.step_nm < usual_nm(steps.range_nm[0].max(range_nm[0])));
+    if close.is_empty() {
+        return wide;
+    }
+    let [from, to] = range_nm;
+    let mut all = vec![from];
+    let mut here = from;
+    loop {
+        let step = close.iter().fold(usual_nm(here), |least, steps| least.min(steps.at(here)));
+        here += step;
+        if here + 0.5 * step >= to {
+            break;
+        }
+        all.push(here);
+    }
+    all.push(to);
+    all
+}
+
+/// Whether the weights of a table are within few wavelengths.
+fn is_narrow(table: &WeightTable) -> bool {
+    let ends = table
+        .weighted_intervals()
+        .fold([f64::INFINITY, 0.0_f64], |[from, to], interval| [from.min(interval[0]), to.max(interval[1])]);
+    ends[1] - ends[0] < NARROW * ends[1]
+}
+
+/// The steps that a table asks for between its rows, within a range.
+fn close_steps(table: &WeightTable, range_nm: [f64; 2], fringe_nm: &impl Fn(f64) -> f64) -> Vec<CloseSteps> {
+    let asked = |[from, to]: [f64; 2]| {
+        let fringe = fringe_nm(from);
+        let apart = to - from;
+        let between_rows = if apart > CLOSE_ROWS * fringe {
+            apart / STEPS_BETWEEN_ROWS
+        } else {
+            apart.max(SHORTEST_STEP_NM)
+        };
+        let range_nm = [from.max(range_nm[0]), to.min(range_nm[1])];
+        CloseSteps { range_nm, step_nm: between_rows.min(fringe / STEPS_PER_NARROW_FRINGE) }
+    };
+    let inside = |steps: &CloseSteps| steps.range_nm[0] < steps.range_nm[1];
+    let mut all: Vec<CloseSteps> = table.weighted_intervals().map(asked).filter(inside).collect();
+    let count: f64 = all.iter().map(|steps| (steps.range_nm[1] - steps.range_nm[0]) / steps.step_nm).sum();
+    let coarser = (count / MOST_ADDED).max(1.0);
+    all.iter_mut().for_each(|steps| steps.step_nm *= coarser);
     all
 }
 

@@ -173,7 +173,7 @@ pub(super) struct Widened {
 
 /// Contributions to a colour's error: root mean square distances in Lab (ΔE*ab). In quadrature all
 /// parts except `wavelengths`, which is corrected for, add up to the standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Budget {
     /// Random packings, each in its own cell; `null` if a single realisation leaves it unknown.
     pub chance_and_cell: Option<f64>,

@@ -41,13 +41,16 @@ use std::path::Path;
 /// # Errors
 /// All errors of the file, each with the field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let Examined { study, packing_faults: mut faults, mut wave_faults } = examine(file, folder, name);
+    let Examined { mut study, packing_faults: mut faults, mut wave_faults } = examine(file, folder, name);
     faults.0.append(&mut wave_faults.0);
     if !file.layer.walls {
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
         faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
     check_relief(file, &study, &mut faults);
+    if let Some(surface) = study.scalar_surface().filter(|_| study.paper.measured.is_some()) {
+        study.remarks.push(format!("paper.measured: {}", surface.in_words()));
+    }
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 

@@ -5,6 +5,7 @@ mod kind;
 mod moved;
 mod number;
 mod parts;
+mod scalar_surface;
 mod stack;
 mod substack;
 mod written;
@@ -17,6 +18,7 @@ pub use number::{WantedNumber, WantedWeights};
 pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, MixedAreas};
 pub use parts::{MixedPrint, Paper};
 pub use parts::{Pigment, StackLayer, WantedResolution};
+pub use scalar_surface::{PaperFactors, ScalarSurface};
 pub use substack::Substack;
 pub use written::WrittenAngles;
 

@@ -128,3 +128,34 @@ fn the_target_of_a_composed_design_may_be_a_file() {
     let [l, a, b] = task.lab.expect("a colour");
     assert!((l - 69.47).abs() < 0.01 && a.abs() < 0.05 && b.abs() < 0.05, "{l} {a} {b}");
 }
+
+/// A target that lacks so much of the visible light that its end values would be a guess is refused with the range that it
+/// has and the one that it needs; a file that lacks little is taken, with what that is worth. *Planted*: end values taken
+/// however far they are continued; one end alone looked at.
+#[test]
+fn a_target_that_lacks_much_of_the_visible_light_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = super::dye("file = \"target.csv\"");
+    let of_range = |from: u32, to: u32| {
+        let rows = (from..=to).step_by(10).map(|nm| format!("{nm},0.4\n")).collect::<String>();
+        write(folder.path(), "target.csv", &format!("wavelength_nm,factor\n{rows}"));
+        load(&write(folder.path(), "design.toml", &text))
+    };
+    for (from, to) in [(430, 700), (400, 670), (500, 600)] {
+        let told = match of_range(from, to) {
+            Ok(task) => panic!("{from} to {to} nm: {:?}", task.lab),
+            Err(_) => plain(&run(folder.path(), &text)),
+        };
+        for words in ["target.file", &format!("[{from}.0, {to}.0] nm"), "covers 420 to 680 nm", "give lab"] {
+            assert!(told.contains(words), "{words:?} is missing: {told}");
+        }
+    }
+    for (from, to, lacks) in [(400, 700, false), (420, 700, true), (400, 680, true), (420, 680, true)] {
+        let task = of_range(from, to).unwrap_or_else(|error| panic!("{from} to {to} nm: {error}"));
+        let has_remark = task.remarks.iter().any(|remark| remark.contains("its end values are taken beyond"));
+        assert_eq!(has_remark, lacks, "{from} to {to} nm: {:?}", task.remarks);
+        // a grey stays a grey
+        let [l, a, b] = task.lab.expect("a colour");
+        assert!((l - 69.47).abs() < 0.05 && a.abs() < 0.1 && b.abs() < 0.1, "{l} {a} {b}");
+    }
+}

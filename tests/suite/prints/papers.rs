@@ -50,6 +50,82 @@ fn measured_paper_is_returned() {
     assert!(page.contains("paper as measured"), "the page says how the albedo was made");
 }
 
+/// A clear layer on measured paper returns what was measured where light is unpolarised. The scalar wave meets another
+/// surface, and console, page and results say what it makes of this paper: as the run has it. *Planted*: p light for s; the
+/// remark left out of each.
+#[test]
+fn the_scalar_wave_says_what_it_makes_of_measured_paper() {
+    let scratch = tempfile::tempdir().unwrap();
+    let rows: String = (0..=15).map(|k| format!("{},{}\n", 400 + 20 * k, 0.876)).collect();
+    std::fs::write(scratch.path().join("paper.csv"), format!("wavelength_nm,reflectance\n{rows}")).unwrap();
+    let run = |name: &str, wave: &str, paper: &str| {
+        let clear = super::ink_of_thickness(1.0).replace("{ n = 1.5, k = 0.02 }", "1.5");
+        let text =
+            clear.replace("albedo = 0.93", paper).replace("[light]", &format!("[light]\nwave = \"{wave}\""));
+        let output = scratch.path().join(name);
+        let said = succeed(&study(scratch.path(), &text), &output, &[]);
+        (said, results(&output), std::fs::read_to_string(output.join("report.html")).unwrap())
+    };
+    let measured = "measured = { csv = \"paper.csv\", geometry = \"45:0\", unit = \"factor\" }";
+    let (said, plain, page) = run("plain", "unpolarised", measured);
+    let lit = |results: &Value| results["spectra"][0]["lit_at_45"]["value"].as_f64().expect("a factor");
+    assert!((lit(&plain) - 0.876).abs() < 1e-9, "{}", lit(&plain));
+    assert!(plain["scalar_surface"].is_null() && !page.contains("the scalar wave crosses"), "{said}");
+    let (said, scalar, page) = run("scalar", "scalar", measured);
+    let told = &scalar["scalar_surface"];
+    for (factor, of_run) in [("lit_at_45", "lit_at_45"), ("natural_light", "natural_light")] {
+        let run = scalar["spectra"][0][of_run]["value"].as_f64().expect("a factor");
+        let below = told["below_clear_layer"][factor].as_f64().expect("a factor");
+        assert!((below - run).abs() < 1e-6, "{factor}: {below} {run}");
+        let bare = told["bare_paper"][factor].as_f64().expect("a factor");
+        let truth = plain["spectra"][0][of_run]["value"].as_f64().expect("a factor");
+        assert!((bare - truth).abs() < 1e-6, "{factor}: {bare} {truth}");
+    }
+    assert!((lit(&scalar) - 0.876).abs() > 5e-3, "nothing to say: {}", lit(&scalar));
+    let words = format!("this paper reads {:.3} at 45:0", lit(&scalar));
+    assert!(said.contains(&words) && page.contains(&words), "{words:?}: {said}");
+    // an albedo of the inside is no measurement, unless bare paper is beside dots
+    let (said, typed, _) = run("typed", "scalar", "albedo = 0.93");
+    assert!(typed["scalar_surface"].is_null() && !said.contains("scalar wave"), "{said}");
+    let (_, dots, page) = run("dots", "scalar", &format!("albedo = 0.93\n{DOTS}"));
+    let bare = dots["prints"]["prints"][0]["factors"][0]["value"].as_f64().expect("a factor");
+    let told = dots["scalar_surface"]["bare_paper"]["lit_at_45"].as_f64().expect("a factor");
+    assert!((told - bare).abs() < 1e-12 && page.contains("the scalar wave crosses"), "{told} {bare}");
+}
+
+/// A perfect white behind a face is lighter than a perfect white where it is lit at 45°, above all in p light: the face lets
+/// more of that light in than of diffuse light. That is no error, and under a uniform sky it reads 1. *Planted*: colours at
+/// 45:0 held to white.
+#[test]
+fn a_white_behind_a_face_may_be_lighter_than_white_at_45() {
+    let scratch = tempfile::tempdir().unwrap();
+    let angle = 45.0_f64.to_radians();
+    let [rs, rp] = {
+        let inner = (1.5_f64 * 1.5 - angle.sin().powi(2)).sqrt();
+        let s = (angle.cos() - inner) / (angle.cos() + inner);
+        let p = (1.5 * 1.5 * angle.cos() - inner) / (1.5 * 1.5 * angle.cos() + inner);
+        [s * s, p * p]
+    };
+    for (wave, passed) in [("unpolarised", 1.0 - 0.5 * (rs + rp)), ("p", 1.0 - rp), ("s", 1.0 - rs)] {
+        let clear = super::ink_of_thickness(1.0).replace("{ n = 1.5, k = 0.02 }", "1.5");
+        let text = clear
+            .replace("albedo = 0.93", "albedo = 1")
+            .replace("[light]", &format!("[light]\nwave = \"{wave}\""));
+        let output = scratch.path().join(wave);
+        succeed(&study(scratch.path(), &text), &output, &[]);
+        let results = results(&output);
+        assert!(results["withheld"].is_null(), "{wave}: {}", results["withheld"]);
+        // T̄ of a face of 1.5 is 0.9082
+        let truth = passed * 0.96 / 0.9082;
+        let lit = results["spectra"][0]["lit_at_45"]["value"].as_f64().expect("a factor");
+        assert!((lit - truth).abs() < 2e-4, "{wave}: {lit} {truth}");
+        let lightness = results["colours"][1]["lab"][0].as_f64().expect("L*");
+        assert!((lightness - (116.0 * truth.cbrt() - 16.0)).abs() < 0.02, "{wave}: {lightness}");
+        let sky = results["spectra"][0]["natural_light"]["value"].as_f64().expect("a factor");
+        assert!((sky - 1.0).abs() < 1e-9, "{wave}: {sky}");
+    }
+}
+
 /// The refusal of a study, or its remarks.
 fn checked(folder: &Path, text: &str) -> Result<Vec<String>, String> {
     let file = folder.join("study.toml");
@@ -127,6 +203,44 @@ fn papers_that_would_be_taken_for_others_are_refused() {
     }
     let told = checked(scratch.path(), &visible("45:0")).expect_err("a contradiction");
     assert!(told.contains("paper.measured.geometry") && told.contains("where the file states"), "{told}");
+}
+
+/// A file that states another condition is no M1 and no M2: M0 holds a part of what M1 holds. One that states none is taken
+/// as what it is given for. *Planted*: the file's condition passed over.
+#[test]
+fn a_pair_of_measurements_is_of_m1_and_m2() {
+    let scratch = tempfile::tempdir().unwrap();
+    let bands: String = (380..=740).step_by(10).map(|nm| format!(" SPEC_{nm}")).collect();
+    let write = |name: &str, source: &str, blue: f64| {
+        let value = |nm: f64| 0.85 + blue * (-((nm - 445.0) / 25.0).powi(2)).exp();
+        let values: String =
+            (380..=740).step_by(10).map(|nm| format!(" {:.5}", value(f64::from(nm)))).collect();
+        let text = format!(
+            "CGATS.17\n{source}BEGIN_DATA_FORMAT\nSAMPLE_ID{bands}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 1\nBEGIN_DATA\n1{values}\nEND_DATA\n"
+        );
+        std::fs::write(scratch.path().join(name), text).unwrap();
+    };
+    let stated = |name: &str| format!("MEASUREMENT_SOURCE \"MeasurementCondition={name} Filter=no\"\n");
+    write("none.cgats", "", 0.15);
+    write("m0.cgats", &stated("M0"), 0.10);
+    write("m1.cgats", &stated("M1"), 0.15);
+    write("m2.cgats", &stated("M2"), 0.0);
+    let pair = |m1: &str, m2: &str| {
+        let words = format!(
+            "coupling = \"optical_contact\"\nfluorescence = {{ m1_csv = \"{m1}.cgats\", m2_csv = \"{m2}.cgats\", unit = \"factor\" }}"
+        );
+        let ink = super::ink_of_thickness(1.0).replace("from_nm = 400", "from_nm = 300");
+        checked(scratch.path(), &ink.replace("coupling = \"optical_contact\"\nalbedo = 0.93", &words))
+    };
+    for m1 in ["m1", "none"] {
+        pair(m1, "m2").unwrap_or_else(|fault| panic!("{m1}: {fault}"));
+    }
+    for (m1, m2, words) in
+        [("m0", "m2", "m0.cgats, which states M0"), ("m1", "m0", "m0.cgats, which states M0")]
+    {
+        let told = pair(m1, m2).expect_err(words);
+        assert!(told.contains(words) && told.contains("or one that states none"), "{told}");
+    }
 }
 
 /// A clear ink on brightened paper, in light from 300 nm.

@@ -104,6 +104,12 @@ impl WeightTable {
         (part.total() > 0.0).then_some(part)
     }
 
+    /// Wavelengths of neighbouring rows between which there is weight, nm.
+    pub fn weighted_intervals(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let pairs = self.rows.windows(2).filter(|pair| pair[0][1] > 0.0 || pair[1][1] > 0.0);
+        pairs.map(|pair| [pair[0][0], pair[1][0]])
+    }
+
     /// ∫ w dλ.
     pub fn total(&self) -> f64 {
         self.places(&[]).into_iter().map(|(_, weight)| weight).sum()

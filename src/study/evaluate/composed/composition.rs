@@ -147,11 +147,12 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     let all: Vec<ComposedRow> = library.wavelengths_nm.iter().zip(&layer.spectra).map(row).collect();
     let mut kept = all.clone();
     // what is emitted may exceed what came in
-    let mut withheld = rows(&mut kept, task.light.is_some());
+    let fluoresces = task.light.is_some();
+    let mut withheld = rows(&mut kept, fluoresces);
     let mut colours = None;
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
-        let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+        let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], fluoresces };
         let (found, without) = in_colour.colours(numbers);
         colours = Some(found);
         withheld.extend(without);

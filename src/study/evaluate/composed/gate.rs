@@ -2,7 +2,7 @@
 
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
-use crate::evaluate::gate::{impossible, impossible_colour, withhold};
+use crate::evaluate::gate::{Brightest, impossible, impossible_colour, withhold};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, independent};
 use crate::evaluate::published::{ErrorParts, PublishedRow, Quantity, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, Lab};
@@ -80,6 +80,8 @@ pub struct LayerInColour<'a> {
     pub all: &'a [ComposedRow],
     /// The rows after the gate.
     pub kept: &'a [ComposedRow],
+    /// Whether the paper fluoresces, so that prints may be lighter than white.
+    pub fluoresces: bool,
 }
 
 impl LayerInColour<'_> {
@@ -95,11 +97,13 @@ impl LayerInColour<'_> {
                 None
             }
         };
-        let natural_light = self.judged(|row| row.layer.natural_light, numbers.natural_light);
+        let sky = Brightest::under_sky(self.fluoresces);
+        let one_side = Brightest::AboveWhite;
+        let natural_light = self.judged(|row| row.layer.natural_light, numbers.natural_light, sky);
         let natural_light = keep(natural_light, "under natural light");
-        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45);
+        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, one_side);
         let lit_at_45 = keep(lit_at_45, "at 45°:0°");
-        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black);
+        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, one_side);
         let over_black = keep(over_black, "at 45°:0° over black");
         let contrast_ratio = match self.contrast_ratio(numbers.contrast_ratio) {
             Ok(ratio) => Some(ratio),
@@ -129,7 +133,12 @@ impl LayerInColour<'_> {
 
     /// The colour of a spectrum, whose Lab has these bars but for what the wavelengths leave open;
     /// the reason if it cannot be.
-    fn judged(&self, spectrum: LayerSpectrum, lab: Lab<ErrorParts>) -> Result<JudgedColour, String> {
+    fn judged(
+        &self,
+        spectrum: LayerSpectrum,
+        lab: Lab<ErrorParts>,
+        brightest: Brightest,
+    ) -> Result<JudgedColour, String> {
         let values = self.values(spectrum);
         let colour = self.eye.colour(&values).map_err(|error| error.to_string())?;
         let mut shifts = self.eye.spacing(&values, colour.xyz, None);
@@ -141,7 +150,7 @@ impl LayerInColour<'_> {
         if self.lacks(spectrum) {
             return Err("its spectrum has numbers that are withheld".to_owned());
         }
-        match impossible_colour(&colour, Some(lab.map(|part| part.standard_error))) {
+        match impossible_colour(&colour, Some(lab.map(|part| part.standard_error)), brightest) {
             Some(reason) => Err(reason),
             None => Ok(JudgedColour { colour, lab }),
         }
@@ -222,10 +231,12 @@ mod tests {
             let rows: Vec<_> = nm.iter().map(|nm| rising(*nm)).collect();
             let mut kept = rows.clone();
             let numbers = ColourNumbers::unknown().map(|_| number(0.5, 0.1).unwrap());
-            let (colours, withheld) = LayerInColour { eye: &eye, all: &rows, kept: &kept }.colours(&numbers);
+            let (colours, withheld) =
+                LayerInColour { eye: &eye, all: &rows, kept: &kept, fluoresces: false }.colours(&numbers);
             assert!(withheld.is_empty(), "{withheld:?}");
             kept[1].layer.natural_light = None;
-            let (less, withheld) = LayerInColour { eye: &eye, all: &rows, kept: &kept }.colours(&numbers);
+            let (less, withheld) =
+                LayerInColour { eye: &eye, all: &rows, kept: &kept, fluoresces: false }.colours(&numbers);
             assert!(less.natural_light.is_none() && less.hex.is_none() && less.lit_at_45.is_some());
             assert_eq!(withheld.len(), 1);
             assert!(colours.contrast_ratio.unwrap().wavelengths >= 0.0);

@@ -27,7 +27,7 @@ use crate::run::MovedSolves;
 use depth::{depth, depth_of_stack};
 use hiding::{hiding_thickness, set_curve, spreading_rate};
 use remarks::{far_apart, thin_slabs};
-use rows::{ThicknessRows, absorbed, distributions, medium_row};
+use rows::{ThicknessRows, absorbed, distributions, lost_in_words, medium_row};
 
 /// All numbers of a composed layer; a reason where too little is solved.
 ///
@@ -56,9 +56,11 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let prints = prints(&task, &layers, &whole);
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
+    let mut lost = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
-        medium.push(medium_row(nm, slabs, numbers, &mut withheld));
+        medium.push(medium_row(nm, slabs, numbers, &mut lost));
     }
+    withheld.extend(lost_in_words(&lost));
     let media = media_of(&slabs, &stacks);
     let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
     let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
@@ -104,6 +106,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         numbers: requested.weighted,
         prints,
         optics: layer_optics(&task, [&whole, &half], moved.as_ref()),
+        scalar_surface: study.scalar_surface(),
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),

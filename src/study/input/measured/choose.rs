@@ -215,7 +215,8 @@ fn by_condition(
             Ok(())
         }
         Some(requested) => {
-            Err(format!("{called} has no measurement under {}; found: {names}", requested.name()))
+            let remedy = if conditions == [None] { "; leave the condition out" } else { "" };
+            Err(format!("{called} has no measurement under {}; found: {names}{remedy}", requested.name()))
         }
         None if conditions.len() > 1 => {
             let example = conditions.iter().flatten().next().map_or("M0", |condition| condition.name());

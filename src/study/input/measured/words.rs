@@ -133,8 +133,8 @@ pub fn geometries(text: &str) -> Vec<MeasuredGeometry> {
     }
     let mut found = Vec::new();
     let angles = [
-        "45:0", "45/0", "0:45", "0/45", "45a:0", "45c:0", "45x:0", "0:45a", "0:45c", "45a/0", "0/45a",
-        "45-0", "0-45",
+        "45:0", "45/0", "0:45", "0/45", "45a:0", "45c:0", "45x:0", "0:45a", "0:45c", "0:45x", "45a/0",
+        "45c/0", "45x/0", "0/45a", "0/45c", "0/45x", "45-0", "0-45",
     ];
     if angles.iter().any(|phrase| has_phrase(&plain, phrase)) {
         found.push(MeasuredGeometry::LitAt45);
@@ -260,6 +260,7 @@ mod tests {
             ("45°:0°", vec![LitAt45]),
             ("0°/45° annular", vec![LitAt45]),
             ("45°a:0°", vec![LitAt45]),
+            ("0°/45°c circumferential", vec![LitAt45]),
             ("45 degree / 0 degree", vec![LitAt45]),
             ("d/8, SCI", vec![Sphere(Some(true))]),
             ("d/0°, gloss excluded", vec![MeasuredGeometry::DiffuseNormal]),

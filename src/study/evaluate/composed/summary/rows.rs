@@ -36,10 +36,11 @@ impl ThicknessRows {
         };
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
+        let fluoresces = task.daylight.is_some();
+        self.withheld.extend(gate::rows(&mut kept, fluoresces));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
-            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], fluoresces };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
@@ -78,12 +79,43 @@ impl ThicknessRows {
     }
 }
 
-/// The coefficients of the medium as far as they are possible; the others are withheld.
+/// A coefficient of the medium that is left out at a wavelength.
+pub(super) struct LostCoefficient {
+    number: &'static str,
+    wavelength_nm: f64,
+    reason: String,
+    /// Share of light at 0° that an inner slab passes straight on.
+    straight: f64,
+    remedy: &'static str,
+}
+
+/// What is said of coefficients that are left out: once of each, with the first of the wavelengths
+/// that have one remedy, and how many they are.
+pub(super) fn lost_in_words(all: &[LostCoefficient]) -> Vec<Withheld> {
+    let is_like = |a: &LostCoefficient, b: &LostCoefficient| a.number == b.number && a.remedy == b.remedy;
+    let mut withheld = Vec::new();
+    for (k, lost) in all.iter().enumerate() {
+        if all[..k].iter().any(|before| is_like(before, lost)) {
+            continue;
+        }
+        let LostCoefficient { number, wavelength_nm, reason, straight, remedy } = lost;
+        let count = all.iter().filter(|other| is_like(lost, other)).count();
+        let passed = if *straight < 1e-6 { "nothing".into() } else { format!("{straight:.2} of the light") };
+        let reason = format!(
+            "{reason} at {wavelength_nm} nm, where a slab passes {passed} unscattered in the mean of these realisations: {remedy}; \
+             {count} of its wavelengths are left out"
+        );
+        withheld.push(Withheld { number: (*number).to_owned(), reason });
+    }
+    withheld
+}
+
+/// The coefficients of the medium as far as they are possible; the others are lost.
 pub(super) fn medium_row(
     wavelength_nm: f64,
     slabs: &Slabs,
     numbers: MediumNumbers<ErrorParts>,
-    withheld: &mut Vec<Withheld>,
+    lost: &mut Vec<LostCoefficient>,
 ) -> MediumRow {
     // share of light at 0° that an inner slab passes straight on
     let straight = slabs.inner.transmission[0][(0, 0)];
@@ -96,11 +128,7 @@ pub(super) fn medium_row(
     for number in medium.named() {
         let reason = number.estimate.and_then(|estimate| impossible(number.quantity, estimate));
         let Some(reason) = reason else { continue };
-        let reason = format!(
-            "{reason} at {wavelength_nm} nm, where a slab passes {straight:.1e} of the light unscattered \
-             in the mean of these realisations: {remedy}"
-        );
-        withheld.push(Withheld { number: number.in_words.to_owned(), reason });
+        lost.push(LostCoefficient { number: number.in_words, wavelength_nm, reason, straight, remedy });
         medium.withhold(number.name);
     }
     let embedding_index = slabs.media[1].ordinates.index;
@@ -163,4 +191,34 @@ pub(super) fn absorbed(
         }
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One line a coefficient and remedy, whatever the number of wavelengths. *Planted*: a line for
+    /// every wavelength.
+    #[test]
+    fn lost_coefficients_are_told_once() {
+        let lost = |wavelength_nm: f64, straight: f64, remedy: &'static str| LostCoefficient {
+            number: "asymmetry",
+            wavelength_nm,
+            reason: "not determined".into(),
+            straight,
+            remedy,
+        };
+        let all = [lost(400.0, 0.0, "thinner"), lost(450.0, 1e-9, "thinner"), lost(2500.0, 0.998, "thicker")];
+        let words: Vec<String> = lost_in_words(&all).iter().map(|lost| lost.reason.clone()).collect();
+        assert_eq!(words.len(), 2, "{words:?}");
+        assert!(
+            words[0].contains("at 400 nm") && words[0].contains("passes nothing unscattered"),
+            "{words:?}"
+        );
+        assert!(words[0].ends_with("thinner; 2 of its wavelengths are left out"), "{words:?}");
+        assert!(
+            words[1].contains("passes 1.00 of the light") && words[1].contains("thicker; 1 of"),
+            "{words:?}"
+        );
+    }
 }

@@ -69,6 +69,16 @@ impl BackingReader<'_> {
         let Some(bright) = self.factor(field, &with, &bright, None) else { return paper };
         let plain = self.stated_or_not(&without, request(MeasuredCondition::M2));
         let Some(plain) = self.factor(field, &without, &plain, None) else { return paper };
+        let of_both = [(m1_csv, &bright, MeasuredCondition::M1), (m2_csv, &plain, MeasuredCondition::M2)];
+        for (file, factor, wanted) in of_both {
+            if let Some(stated) = factor.condition.filter(|stated| *stated != wanted) {
+                let found = format!("{file}, which states {}", stated.name());
+                let allowed = format!("a measurement under {}, or one that states none", wanted.name());
+                let remedy = "M0 holds a part of what M1 holds; give the file of the other condition, or excitation, emission and yield";
+                self.faults.add(field, found, allowed, remedy);
+                return paper;
+            }
+        }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         if from_nm > PAIR_FROM_NM {
             let allowed = format!("light from {PAIR_FROM_NM} nm or below, which excites a brightener");
