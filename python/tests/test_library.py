@@ -112,7 +112,7 @@ class Library(unittest.TestCase):
                 self.library.compose(composition)
         content = json.loads(LIBRARY.read_text())
         with self.assertRaisesRegex(iw.InputError, "allowed up to 2"):
-            iw.Library({**content, "inkwave_library": 3})
+            iw.Library({**content, "inkwave_library": 4})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         content["plates"][0]["portions"][0]["states"].pop()

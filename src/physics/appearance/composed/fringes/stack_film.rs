@@ -17,6 +17,7 @@
 //! phase of the depth at which the wave is reflected taken off.
 
 use super::slab_film::logarithm;
+use super::trapped::{TrappedPart, TrappedSlab};
 use super::{FAINT, Lobes, MeanField, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
@@ -73,7 +74,7 @@ pub enum Mirrors {
 impl Mirrors {
     /// Seen from the front, the depth at which the wave is mirrored, as a part of the thickness:
     /// with faces on both sides half of it, from which either phase is the least.
-    fn depth(self) -> f64 {
+    pub(super) fn depth(self) -> f64 {
         match self {
             Self::InFront => 0.0,
             Self::Nowhere | Self::OnBothSides => 0.5,
@@ -106,9 +107,9 @@ pub struct StackFilm {
 
 /// Amplitudes of an element: r, r′ and t; or their squared moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct FilmMatrix<T> {
-    reflected: [T; 2],
-    transmitted: T,
+pub(super) struct FilmMatrix<T> {
+    pub(super) reflected: [T; 2],
+    pub(super) transmitted: T,
 }
 
 impl<T: Copy + Add<Output = T> + Mul<Output = T>> FilmMatrix<T> {
@@ -127,11 +128,11 @@ impl<T: Copy + Add<Output = T> + Mul<Output = T>> FilmMatrix<T> {
 }
 
 impl FilmMatrix<Complex64> {
-    fn then(self, behind: Self) -> Self {
+    pub(super) fn then(self, behind: Self) -> Self {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]))
     }
 
-    fn powers(self) -> FilmMatrix<f64> {
+    pub(super) fn powers(self) -> FilmMatrix<f64> {
         FilmMatrix {
             reflected: self.reflected.map(|r| r.norm_sqr()),
             transmitted: self.transmitted.norm_sqr(),
@@ -140,7 +141,7 @@ impl FilmMatrix<Complex64> {
 }
 
 impl FilmMatrix<f64> {
-    fn then(self, behind: Self) -> Self {
+    pub(super) fn then(self, behind: Self) -> Self {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT))
     }
 }
@@ -196,6 +197,20 @@ impl StackFilm {
         let [before, behind] = self.media.clone();
         let elements = self.elements.iter().rev().map(FilmElement::turned).collect();
         Self { elements, media: [behind, before], ..*self }
+    }
+
+    /// Its elements as light meets it that cannot leave behind it.
+    pub(super) fn trapped_parts(&self) -> Vec<TrappedPart<'_>> {
+        let part = |element| match element {
+            &FilmElement::Solved(ref solved) => {
+                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
+                let amplitudes = &solved.amplitudes;
+                TrappedPart::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
+            }
+            &FilmElement::Face(media) => TrappedPart::Face(media),
+            &FilmElement::Even { index, thickness_um } => TrappedPart::Even { index, thickness_um },
+        };
+        self.elements.iter().map(part).collect()
     }
 
     /// k_z times the thickness.
