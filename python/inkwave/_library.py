@@ -304,6 +304,8 @@ class Library:
         self._films: Dict[Any, List[Tuple[_Film, _Film]]] = {}
         self._fringes: Dict[Any, List[Tuple[np.ndarray, np.ndarray]]] = {}
         self._turned_back: Dict[Any, _TrappedSlab] = {}
+        self._trapped_films: Dict[Any, Tuple[_Film, _Film]] = {}
+        self._trapped_turns: Dict[Any, Tuple[np.ndarray, np.ndarray]] = {}
         p = self._polarisations
         self._shares = {"scalar": [1.0], "s": [1.0, 0.0], "p": [0.0, 1.0]}.get(self._wave, [1.0 / p] * p)
         near = np.r_[0.0, self._sines[: self._near]]
@@ -837,92 +839,116 @@ class _TrappedSlab:
         return _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further))
 
 
-class _TrappedStack:
-    """Light from a paper in contact beyond the critical angle of air, in a stack: it goes through, is turned back at the air, and
-    interferes with itself."""
+class _TrappedStacks:
+    """Light from a paper in contact beyond the critical angle of air, in stacks of as many layers: it goes through, is turned back at the
+    air, and interferes with itself. Arrays are over stacks, wavelengths and sines."""
 
-    def __init__(self, library: Library, stack: _Stack, p: int):
-        self.library, self.p, self.joint = library, p, library.joint_index
-        self.slabs = []
-        for number, count in reversed(stack.layers):
-            for position, times in reversed(library._places_of(count, stack.change)):
-                self.slabs.append((library._trapped_slab(number, position, stack.change, p), times))
+    def __init__(self, library: Library, stacks: Sequence[_Stack], p: int):
+        self.library, self.stacks, self.p, self.joint = library, stacks, p, library.joint_index
         self.sines = library._sines[library._near:]
         self.places = self._place(self.sines)
-        self.fewer = stack.change.fewer and self.sines.size > 1
-        self.goes_on = np.all([slab.goes_on for slab, _ in self.slabs], axis=0)
+        self.every = list(range(self.sines.size))
+        fewer = stacks[0].change.fewer and self.sines.size > 1
+        self.kept = [d for d in self.every if not (fewer and d == self.sines.size // 2)]
+        self.goes_on = np.array([np.all([slab.goes_on for layer in stack.layers for slab, _ in self._slabs(layer, stack.change)], axis=0)
+                                 for stack in stacks])
 
     def _place(self, sine: np.ndarray) -> np.ndarray:
         return np.asarray(np.sqrt(np.maximum(self.joint**2 - sine * sine, 0.0)))
 
-    def _fields(self, sine: np.ndarray, kept: Sequence[int]) -> List[np.ndarray]:
-        """R of the mean field with interference and without it (wavelength, sine)."""
-        weights = _lagrange(self.places[kept], self._place(sine))
-        whole: Optional[_Film] = None
-        powers: Optional[_Film] = None
-        face = _face_between(self.joint**2, 1.0, sine[None, :], self.p)
-        films = [slab.at(weights, sine, kept, times) for slab, times in self.slabs]
-        for film in [*films, face]:
-            whole, powers = (film if whole is None else whole.then(film)), (film.powers() if powers is None else powers.then(film.powers()))
-        assert whole is not None and powers is not None
-        found = [np.abs(whole.ra) ** 2, powers.ra]
-        return [np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0) for r in found]
+    def _slabs(self, layer: Tuple[int, float], change: _Change) -> List[Tuple[_TrappedSlab, float]]:
+        """The slabs of a layer as the light from the paper meets them, and how many there are of each."""
+        places = reversed(self.library._places_of(layer[1], change))
+        return [(self.library._trapped_slab(layer[0], position, change, self.p), times) for position, times in places]
 
-    def _fringes(self, kept: Sequence[int]) -> Tuple[np.ndarray, np.ndarray]:
+    def _layer(self, layer: Tuple[int, float], change: _Change, sine: np.ndarray, kept: Sequence[int], tag: Any) -> Tuple[_Film, _Film]:
+        """A layer with and without interference between its slabs (wavelength, sine)."""
+        films = self.library._trapped_films
+        key = (layer, self.library._own(layer[0], change)._replace(grid=False, fewer=False), self.p, tuple(kept), tag)
+        if key not in films:
+            weights = _lagrange(self.places[kept], self._place(sine))
+            all_ = [slab.at(weights, sine, kept, times) for slab, times in self._slabs(layer, change)]
+            whole, powers = all_[0], all_[0].powers()
+            for film in all_[1:]:
+                whole, powers = whole.then(film), powers.then(film.powers())
+            if len(films) >= 16 * _MOST_FILMS:
+                films.clear()
+            films[key] = whole, powers
+        return films[key]
+
+    def _fields(self, some: np.ndarray, sine: np.ndarray, kept: Sequence[int], tag: Any) -> List[np.ndarray]:
+        """R of the mean field of some of the stacks with interference and without it."""
+        face = _face_between(self.joint**2, 1.0, sine[None, :], self.p)
+        found = []
+        for kind, last in enumerate((face, face.powers())):
+            whole: Optional[_Film] = None
+            for place in reversed(range(len(self.stacks[0].layers))):
+                of = [self._layer(self.stacks[k].layers[place], self.stacks[k].change, sine, kept, tag)[kind] for k in some]
+                film = _Film(*(np.array(x) for x in zip(*of)))
+                whole = film if whole is None else whole.then(film)
+            assert whole is not None
+            r = whole.then(last).ra
+            r = np.abs(r) ** 2 if kind == 0 else r
+            found.append(np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0))
+        return found
+
+    def _fringes(self, stack: _Stack) -> Tuple[np.ndarray, np.ndarray]:
         """Fringes over the zone, and what of the light comes to the air (wavelength)."""
         edge = np.array([1.0])
-        weights = _lagrange(self.places[kept], self._place(edge))
-        fringes, seen = np.zeros(self.goes_on.size), np.ones(self.goes_on.size)
-        for slab, times in self.slabs:
-            phases = [_going_on(slab.squared_index[:, 0], np.array(sine)).real for sine in (1.0, self.joint)]
-            fringes += 2 * (phases[0] - phases[1]) * slab.um * times * slab.k0[:, 0] / (2 * np.pi)
-            seen *= np.abs(slab.at(weights, edge, kept, times).t[:, 0]) ** 2
+        weights = _lagrange(self.places[self.kept], self._place(edge))
+        fringes, seen = np.zeros(self.goes_on.shape[1]), np.ones(self.goes_on.shape[1])
+        for layer in stack.layers:
+            key = (layer, self.library._own(layer[0], stack.change)._replace(grid=False, fewer=False), self.p, tuple(self.kept), "fringes")
+            if key not in self.library._trapped_turns:
+                turns, passed = np.zeros_like(fringes), np.ones_like(seen)
+                for slab, times in self._slabs(layer, stack.change):
+                    phases = [_going_on(slab.squared_index[:, 0], np.array(sine)).real for sine in (1.0, self.joint)]
+                    turns += 2 * (phases[0] - phases[1]) * slab.um * times * slab.k0[:, 0] / (2 * np.pi)
+                    passed *= np.abs(slab.at(weights, edge, self.kept, times).t[:, 0]) ** 2
+                self.library._trapped_turns[key] = turns, passed
+            turns, passed = self.library._trapped_turns[key]
+            fringes, seen = fringes + turns, seen * passed
         return fringes, seen
 
     def change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
-        """What interference changes of R and T of this light as ∫ 2s ds; columns are R and T as composed (wavelength, direction)."""
+        """What interference changes of R and T of this light as ∫ 2s ds; columns are R and T as composed (stack, wavelength, direction)."""
         with np.errstate(all="ignore"):
             return self._change(columns)
 
     def _change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
-        every = list(range(self.sines.size))
         r, t = columns
-        field = self._fields(self.sines, every)[1]
+        field = self._fields(np.arange(len(self.stacks)), self.sines, self.every, "known")[1]
         lost = 1 - field
         safe = np.where(lost < _NOTHING, 1.0, lost)
         together = np.maximum((r + t - field) / safe, 0.0)
         back = np.minimum(np.maximum((r - field) / safe, 0.0), together)
-        shares = [np.where(lost < _NOTHING, r, back), np.where(lost < _NOTHING, t, together - back)]
-        kept = [d for d in every if not (self.fewer and d == len(every) // 2)]
-        fringes, seen = self._fringes(kept)
-        interferes = ((seen >= _FAINT) & (fringes <= _MOST_FRINGES))[:, None]
-        begun = np.where(interferes[:, 0], np.maximum(np.ceil(fringes / _FRINGES_OF_A_PIECE), 1.0), 1.0)
+        shares = [np.where(lost < _NOTHING, x, y)[..., self.kept] for x, y in ((r, back), (t, together - back))]
+        fringes, seen = (np.array(x) for x in zip(*(self._fringes(stack) for stack in self.stacks)))
+        interferes = (seen >= _FAINT) & (fringes <= _MOST_FRINGES)
+        begun = np.where(interferes, np.maximum(np.ceil(fringes / _FRINGES_OF_A_PIECE), 1.0), 1.0)
         width = math.sqrt(self.joint**2 - 1.0)
         rules = [np.polynomial.legendre.leggauss(count) for count in _NODES]
         nodes = np.concatenate([0.5 * (1 + x) for x, _ in rules])
         weights = [0.5 * w for _, w in rules]
-
-        def values(share: np.ndarray) -> np.ndarray:
-            angle = 0.5 * np.pi * share
-            place = width * np.cos(angle)
-            sine = np.sqrt(np.maximum(self.joint**2 - place * place, 0.0))
-            mean = np.where(interferes, *self._fields(sine, kept))
-            by = _lagrange(self.places[kept], self._place(sine)).T
-            reflected = np.clip(shares[0][:, kept] @ by, 0.0, 1.0)
-            transmitted = np.minimum(np.maximum(shares[1][:, kept] @ by, 0.0), 1.0 - reflected)
-            measure = 0.5 * np.pi * width * width * np.sin(2 * angle)
-            return np.array([measure * (mean + (1 - mean) * reflected), measure * (1 - mean) * transmitted])
-
-        total = np.zeros((2, self.goes_on.size))
-        # pieces of the zone with the wavelengths that they are of, as the program halves them
+        total = np.zeros((2, *self.goes_on.shape))
+        # pieces of the zone with the stacks and wavelengths that they are of, as the program halves them
         pieces = [(k / n, 1.0 / n, self.goes_on & (begun == n)) for n in np.unique(begun[self.goes_on]) for k in range(int(n))]
         count = begun.copy()
         while pieces:
             start, size, of = pieces.pop(0)
-            found = values(start + size * nodes)
-            mean, check = size * found[..., : _NODES[0]] @ weights[0], size * found[..., _NODES[0]:] @ weights[1]
-            halved = of & (np.abs(mean - check).max(0) > _MEAN_ERROR) & (count < begun + _MOST_HALVINGS)
-            total += np.where(of & ~halved, mean, 0.0)
+            some = np.flatnonzero(of.any(1))
+            angle = 0.5 * np.pi * (start + size * nodes)
+            place = width * np.cos(angle)
+            sine = np.sqrt(np.maximum(self.joint**2 - place * place, 0.0))
+            mean = np.where(interferes[some][..., None], *self._fields(some, sine, self.kept, (start, size)))
+            by = _lagrange(self.places[self.kept], self._place(sine)).T
+            reflected = np.clip(shares[0][some] @ by, 0.0, 1.0)
+            transmitted = np.minimum(np.maximum(shares[1][some] @ by, 0.0), 1.0 - reflected)
+            found = 0.5 * np.pi * width * width * np.sin(2 * angle) * np.array([mean + (1 - mean) * reflected, (1 - mean) * transmitted])
+            sums, check = size * found[..., : _NODES[0]] @ weights[0], size * found[..., _NODES[0]:] @ weights[1]
+            halved = np.zeros_like(of)
+            halved[some] = of[some] & (np.abs(sums - check).max(0) > _MEAN_ERROR) & (count[some] < begun[some] + _MOST_HALVINGS)
+            total[:, some] += np.where((of & ~halved)[some], sums, 0.0)
             count += halved
             if halved.any():
                 pieces += [(start, 0.5 * size, halved), (start + 0.5 * size, 0.5 * size, halved)]
@@ -1041,8 +1067,7 @@ class _Optics:
             return 0.0, 0.0
         states = [1 + node * library._polarisations + pol for node in nodes]
         r, t = (x.sum(-2)[..., states] for x in self._matrices(1))
-        changes = [_TrappedStack(library, stack, pol).change((r[k], t[k])) for k, stack in enumerate(self.stacks)]
-        return tuple(np.array(x) for x in zip(*changes))
+        return _TrappedStacks(library, self.stacks, pol).change((r, t))
 
     def _at(self, pol: int, k: int, kind: int) -> List[np.ndarray]:
         """R and T at one of the sines, with the loss shared."""

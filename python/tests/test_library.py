@@ -111,7 +111,7 @@ class Library(unittest.TestCase):
             with self.assertRaisesRegex(iw.InputError, words):
                 self.library.compose(composition)
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 2"):
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 3"):
             iw.Library({**content, "inkwave_library": 4})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
