@@ -353,6 +353,52 @@ fn an_absorbing_film_in_slabs_in_contact_with_its_paper_has_its_fringes() {
     }
 }
 
+/// An ink that hardly scatters, in contact with its paper, is the same in slabs and solved at once: what it absorbs of light from the
+/// paper, and R. *Planted*: light beyond the critical angle of air without interference, off by 0.013 and 0.009.
+#[test]
+fn an_ink_in_slabs_in_contact_with_its_paper_is_the_ink_solved_at_once() {
+    let scratch = tempfile::tempdir().unwrap();
+    let text = r#"
+title = "An ink that hardly scatters"
+[layer]
+thickness_um = [0.8]
+period_um = 0.8
+binder.index = 1.56
+index_out = 1.45
+composed = { slab_um = 0.4 }
+[[pigment]]
+diameter_nm = 150
+volume_fraction = 0.3
+index = { n = 1.56, k = 0.05 }
+[paper]
+albedo = 0.9
+coupling = "optical_contact"
+[light]
+wavelengths_nm = [450, 510, 570, 630]
+[run]
+realisations = 4
+[resolution]
+accuracy = 5e-2
+"#;
+    let whole = text.replace("[0.8]", "0.8").replace("composed = { slab_um = 0.4 }\n", "");
+    let rows = [("slabs", text), ("whole", &whole)].map(|(name, text)| {
+        let folder = scratch.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        let output = folder.join("out");
+        succeed(&study(&folder, text), &output, &[]);
+        let rows = results(&output)["spectra"].as_array().expect("rows").clone();
+        rows.into_iter().filter(|row| row["polar_deg"].as_f64().unwrap_or(0.0) == 0.0).collect::<Vec<_>>()
+    });
+    assert_eq!((rows[0].len(), rows[1].len()), (4, 4));
+    for name in ["absorptance_behind", "natural_light"] {
+        let apart = rows[0].iter().zip(&rows[1]).map(|(a, b)| (value(a, name) - value(b, name)).powi(2));
+        let apart = (apart.sum::<f64>() / 4.0).sqrt();
+        println!("{name}: {apart}");
+        // the chance of four packings is 0.002 in each
+        assert!(apart < 0.006, "{name}: {apart}");
+    }
+}
+
 /// A layer that is no whole number of the slabs of its list is the layer cut into slabs of its own.
 /// *Planted*: a polynomial over whole numbers of slabs through what has fringes.
 #[test]
