@@ -21,7 +21,7 @@
 //! their own fringes.
 //!
 //! Light from a dense medium beyond the edge, which cannot leave on the other side, has zones of its
-//! own ([`trapped`]).
+//! own, in `trapped`.
 //!
 //! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 
