@@ -230,8 +230,9 @@ impl TrappedZone {
         for (weight, known) in weights.iter().zip(&self.shares) {
             share = share.plus(*weight, *known);
         }
-        let reflected = share.reflected.clamp(0.0, 1.0);
-        let transmitted = share.transmitted.clamp(0.0, 1.0 - reflected);
+        let within = |share: f64, most: f64| share.max(0.0).min(most);
+        let reflected = within(share.reflected, 1.0);
+        let transmitted = within(share.transmitted, 1.0 - reflected);
         let field = self.field(sine);
         let mean = if interferes { field.coherent } else { field.incoherent };
         mean.with_loss(Lobes { reflected, transmitted })
