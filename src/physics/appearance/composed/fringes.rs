@@ -35,7 +35,7 @@ pub use slab_film::CoherentFilm;
 
 use self::slab_film::Slow;
 use self::stack_film::{Beyond, StackFilm};
-use self::trapped::{TrappedLight, TrappedZone};
+use self::trapped::TrappedZone;
 use super::flux::Hemisphere;
 use super::ordinates::gauss_legendre;
 use crate::numerics::interpolate::lagrange;
@@ -109,14 +109,7 @@ impl StackFilm {
         let fields: Vec<Lobes> = sines.iter().enumerate().map(incoherent).collect();
         let wave = MeanWave::Stack { film: self, beyond };
         let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
-        let light = TrappedLight {
-            ordinates: &self.media[0].ordinates,
-            beyond: self.media[1].ordinates.index,
-            polarisation,
-            wavelength_um: self.wavelength_um,
-            fewer_directions: self.fewer_directions,
-        };
-        interference.trapped = TrappedZone::all(&self.trapped_parts(), light, composed);
+        interference.trapped = self.trapped(polarisation, composed);
         if self.fewer_directions {
             interference.leave_out(sines.len() / 2);
         }

@@ -4,8 +4,6 @@
 //! Known are amplitudes in the directions that were solved. In between, their differences from
 //! those of plane faces of the even medium (Fresnel) are polynomials.
 
-use super::stack_film::Mirrors;
-use super::trapped::{TrappedLight, TrappedPart, TrappedSlab, TrappedZone};
 use super::{FAINT, Interference, Lobes, MeanField, MeanWave, NOTHING, known_sines, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
@@ -79,38 +77,11 @@ impl CoherentFilm {
         let beyond = sines.iter().zip(&solved).map(even).collect();
         let wave = MeanWave::Slabs { film: self, count, beyond };
         let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
-        let light = TrappedLight {
-            ordinates: &self.media[0].ordinates,
-            beyond: self.media[2].ordinates.index,
-            polarisation,
-            wavelength_um: self.wavelength_um,
-            fewer_directions: self.fewer_directions,
-        };
-        interference.trapped = TrappedZone::all(&self.trapped_parts(count), light, composed);
+        interference.trapped = self.trapped(count, polarisation, composed);
         if self.fewer_directions {
             interference.leave_out(sines.len() / 2);
         }
         interference
-    }
-
-    /// Its slabs as light meets them that cannot leave behind the layer.
-    fn trapped_parts(&self, count: f64) -> [TrappedPart<'_>; 3] {
-        let [before, within, behind] = self.media.each_ref().map(|medium| medium.ordinates.index);
-        let part = |slab: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {
-            TrappedPart::Solved(TrappedSlab {
-                amplitudes: &self.slabs[slab],
-                between,
-                index: within,
-                thickness_um: self.slab_um,
-                mirrors,
-                count,
-            })
-        };
-        [
-            part(0, [before, within], Mirrors::InFront, 1.0),
-            part(1, [within; 2], Mirrors::Nowhere, count - 2.0),
-            part(2, [within, behind], Mirrors::Behind, 1.0),
-        ]
     }
 
     /// k_z in the even medium, 1/µm.

@@ -17,7 +17,6 @@
 //! phase of the depth at which the wave is reflected taken off.
 
 use super::slab_film::logarithm;
-use super::trapped::{TrappedPart, TrappedSlab};
 use super::{FAINT, Lobes, MeanField, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
@@ -197,20 +196,6 @@ impl StackFilm {
         let [before, behind] = self.media.clone();
         let elements = self.elements.iter().rev().map(FilmElement::turned).collect();
         Self { elements, media: [behind, before], ..*self }
-    }
-
-    /// Its elements as light meets it that cannot leave behind it.
-    pub(super) fn trapped_parts(&self) -> Vec<TrappedPart<'_>> {
-        let part = |element| match element {
-            &FilmElement::Solved(ref solved) => {
-                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
-                let amplitudes = &solved.amplitudes;
-                TrappedPart::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
-            }
-            &FilmElement::Face(media) => TrappedPart::Face(media),
-            &FilmElement::Even { index, thickness_um } => TrappedPart::Even { index, thickness_um },
-        };
-        self.elements.iter().map(part).collect()
     }
 
     /// k_z times the thickness.

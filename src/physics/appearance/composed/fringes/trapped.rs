@@ -13,8 +13,8 @@
 //! zone that ends at s₁. The half-spaces that a slab is solved between, where its medium goes on,
 //! are in its solve and not in the layer.
 
-use super::slab_film::logarithm;
-use super::stack_film::{FilmMatrix, Mirrors};
+use super::slab_film::{CoherentFilm, logarithm};
+use super::stack_film::{FilmElement, FilmMatrix, Mirrors, SolvedElement, StackFilm};
 use super::{FAINT, Lobes, MOST_FRINGES, MeanField, passive, shares};
 use crate::appearance::composed::flux::Coherent;
 use crate::appearance::composed::ordinates::{DirectionZone, NARROWEST, Ordinates};
@@ -88,15 +88,15 @@ pub(super) struct TrappedLight<'a> {
 
 /// An element in the known directions of a zone.
 #[derive(Clone, Debug)]
-enum Element {
-    Solved { film: EvenSlab, count: f64, is_last: bool, known: Vec<Known> },
+enum TrappedElement {
+    Solved { film: EvenSlab, count: f64, is_last: bool, known: Vec<KnownSlab> },
     Face([Complex64; 2]),
     Even { squared: Complex64, thickness_um: f64 },
 }
 
 /// What is known of a slab in one direction.
 #[derive(Clone, Copy, Debug, Default)]
-struct Known {
+struct KnownSlab {
     /// N² − n².
     squared: Complex64,
     /// Logarithm of t over that of the even film of index N; of r, where the light is turned back.
@@ -123,13 +123,69 @@ pub(super) struct TrappedZone {
     zone: DirectionZone,
     polarisation: usize,
     wavenumber: f64,
-    elements: Vec<Element>,
+    elements: Vec<TrappedElement>,
     /// √(s₁² − s²) of the known directions.
     places: Vec<f64>,
     /// Shares of the loss there that composing reflects and transmits.
     shares: Vec<Lobes>,
     /// R and T of the zone as composed of its nodes, times their étendues.
     composed: Lobes,
+}
+
+impl CoherentFilm {
+    /// What a layer of this many slabs is to light that cannot leave behind it; `composed` are R and
+    /// T at 0° and at all nodes.
+    pub(super) fn trapped(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
+        let [before, within, behind] = self.media.each_ref().map(|medium| medium.ordinates.index);
+        let part = |slab: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {
+            TrappedPart::Solved(TrappedSlab {
+                amplitudes: &self.slabs[slab],
+                between,
+                index: within,
+                thickness_um: self.slab_um,
+                mirrors,
+                count,
+            })
+        };
+        let parts = [
+            part(0, [before, within], Mirrors::InFront, 1.0),
+            part(1, [within; 2], Mirrors::Nowhere, count - 2.0),
+            part(2, [within, behind], Mirrors::Behind, 1.0),
+        ];
+        let light = TrappedLight {
+            ordinates: &self.media[0].ordinates,
+            beyond: behind,
+            polarisation,
+            wavelength_um: self.wavelength_um,
+            fewer_directions: self.fewer_directions,
+        };
+        TrappedZone::all(&parts, light, composed)
+    }
+}
+
+impl StackFilm {
+    /// What the stack is to light that cannot leave behind it; `composed` are R and T at 0° and at
+    /// all nodes.
+    pub(super) fn trapped(&self, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
+        let part = |element| match element {
+            &FilmElement::Solved(ref solved) => {
+                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
+                let amplitudes = &solved.amplitudes;
+                TrappedPart::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
+            }
+            &FilmElement::Face(media) => TrappedPart::Face(media),
+            &FilmElement::Even { index, thickness_um } => TrappedPart::Even { index, thickness_um },
+        };
+        let parts: Vec<TrappedPart> = self.elements.iter().map(part).collect();
+        let light = TrappedLight {
+            ordinates: &self.media[0].ordinates,
+            beyond: self.media[1].ordinates.index,
+            polarisation,
+            wavelength_um: self.wavelength_um,
+            fewer_directions: self.fewer_directions,
+        };
+        TrappedZone::all(&parts, light, composed)
+    }
 }
 
 impl TrappedZone {
@@ -158,16 +214,16 @@ impl TrappedZone {
                 TrappedPart::Solved(slab) => {
                     let media = [slab.between[0], slab.index, slab.between[1]];
                     let inside = if number == last { &media[..2] } else { &media[..] };
-                    let own = || Element::of_slab(slab, light, wavenumber, &zone, number == last);
+                    let own = || TrappedElement::of_slab(slab, light, wavenumber, &zone, number == last);
                     inside.iter().all(|index| propagates(*index)).then(own)?
                 }
                 TrappedPart::Face(media) => {
                     let inside = if number == last { &media[..1] } else { &media[..] };
-                    let face = Element::Face(media.map(|index| index * index));
+                    let face = TrappedElement::Face(media.map(|index| index * index));
                     inside.iter().all(|index| propagates(index.re)).then_some(face)
                 }
                 TrappedPart::Even { index, thickness_um } => {
-                    let even = Element::Even { squared: index * index, thickness_um: *thickness_um };
+                    let even = TrappedElement::Even { squared: index * index, thickness_um: *thickness_um };
                     (number < last && propagates(index.re)).then_some(even)
                 }
             }
@@ -199,7 +255,7 @@ impl TrappedZone {
         self.places.remove(direction);
         self.shares.remove(direction);
         for element in &mut self.elements {
-            if let Element::Solved { known, .. } = element {
+            if let TrappedElement::Solved { known, .. } = element {
                 known.remove(direction);
             }
         }
@@ -277,7 +333,7 @@ impl TrappedZone {
     }
 }
 
-impl Element {
+impl TrappedElement {
     /// A slab in the known directions of a zone; `None` where a direction is not known.
     fn of_slab(
         slab: &TrappedSlab,
@@ -338,7 +394,7 @@ impl Element {
                 return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
             }
         };
-        let mut here = Known::default();
+        let mut here = KnownSlab::default();
         for (weight, known) in weights.iter().zip(known) {
             here.squared += weight * known.squared;
             here.further += weight * known.further;
@@ -378,7 +434,7 @@ impl Element {
 
 /// The even film of one direction, and the imaginary part of its logarithm.
 struct EvenOf {
-    known: Known,
+    known: KnownSlab,
     turned: f64,
 }
 
@@ -468,12 +524,12 @@ impl EvenSlab {
             let left = logarithm(measured / self.amplitude(squared, sine, is_last));
             if left.norm() < left_over(first) {
                 return EvenOf {
-                    known: Known { squared, further: left, ..Known::default() },
+                    known: KnownSlab { squared, further: left, ..KnownSlab::default() },
                     turned: log.im,
                 };
             }
         }
-        let known = Known { further: first, ..Known::default() };
+        let known = KnownSlab { further: first, ..KnownSlab::default() };
         EvenOf { known, turned: first.im }
     }
 }
