@@ -34,6 +34,9 @@ const FRINGES_OF_A_PIECE: f64 = 4.0;
 const MOST_HALVINGS: usize = 48;
 /// Rounds of the search for N: what faces do to the phase is a tenth of what the way does, or less.
 const ROUNDS: usize = 12;
+/// Step of Newton's differences, and the logarithm at which it has settled.
+const STEP: f64 = 1e-6;
+const SETTLED: f64 = 1e-9;
 /// Largest |N² − n²| that an even film is compared with; beyond it, N is n.
 const FURTHEST: f64 = 1.0;
 
@@ -359,6 +362,7 @@ impl TrappedElement {
         };
         let mut known = Vec::new();
         let mut turned = 0.0;
+        let mut start = Complex64::ZERO;
         // From 0° outwards, so that logarithms do not jump between directions; what a far face mirrors
         // of p light has a root on the way.
         let first = if is_last { zone.first + 1 } else { 0 };
@@ -370,6 +374,11 @@ impl TrappedElement {
                 continue;
             }
             let mut own = film.even_of(value, sine, is_last, turned);
+            let from = if known.is_empty() { own.known.squared } else { start };
+            if is_last && let Some(squared) = film.turning_back(value, sine, from) {
+                own.known = KnownSlab { squared, ..KnownSlab::default() };
+            }
+            start = own.known.squared;
             turned = own.turned;
             if !is_last {
                 let even = film.solved(own.known.squared, sine);
@@ -531,6 +540,23 @@ impl EvenSlab {
         }
         let known = KnownSlab { further: first, ..KnownSlab::default() };
         EvenOf { known, turned: first.im }
+    }
+
+    /// N² − n² of a slab that turns the light back, by Newton's method from that of the direction
+    /// before: where it absorbs much, the step in front of it mirrors as much as the far face, and N
+    /// does not follow from the way alone. `None` if it does not settle.
+    fn turning_back(&self, measured: Complex64, sine: f64, start: Complex64) -> Option<Complex64> {
+        let miss = |squared: Complex64| logarithm(self.amplitude(squared, sine, true) / measured);
+        let mut squared = start;
+        for _ in 0..ROUNDS {
+            let here = miss(squared);
+            let slope = (miss(squared + STEP) - here) / STEP;
+            squared -= here / slope;
+            if !squared.is_finite() || squared.norm() >= FURTHEST {
+                return None;
+            }
+        }
+        (miss(squared).norm() < SETTLED).then_some(squared)
     }
 }
 
