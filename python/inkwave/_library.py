@@ -783,6 +783,10 @@ class _TrappedSlab:
                 known.append(np.array([squared, further, *differences]))
         # (what, wavelength, direction)
         self.known = np.stack(known, -1)
+        # powers of the mean wave as it was solved, from the paper's side (wavelength, direction)
+        near_ones = slice(near + 1, sines.size)
+        back, front = (0.0 * np.abs(own[:, side, near_ones, 0]) if self.inner else np.abs(own[:, side, near_ones, 0]) ** 2 for side in (1, 0))
+        self.solved = _Film(back, front, np.abs(measured[:, near_ones]) ** 2)
 
     def phase(self, further: Any, sine: np.ndarray) -> np.ndarray:
         """i k_z d of one way."""
@@ -892,6 +896,20 @@ class _TrappedStacks:
             found.append(np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0))
         return found
 
+    def _solved(self) -> np.ndarray:
+        """R of the mean field without interference between the slabs, as they were solved (stack, wavelength, direction)."""
+        face = _face_between(self.joint**2, 1.0, self.sines[None, :], self.p).powers()
+        found = []
+        for stack in self.stacks:
+            whole: Optional[_Film] = None
+            for layer in reversed(stack.layers):
+                for slab, times in self._slabs(layer, stack.change):
+                    film = slab.solved._replace(t=slab.solved.t**times)
+                    whole = film if whole is None else whole.then(film)
+            assert whole is not None
+            found.append(np.minimum(whole.then(face).ra, 1.0))
+        return np.array(found)
+
     def _fringes(self, stack: _Stack) -> Tuple[np.ndarray, np.ndarray]:
         """Fringes over the zone, and what of the light comes to the air (wavelength)."""
         edge = np.array([1.0])
@@ -917,7 +935,7 @@ class _TrappedStacks:
 
     def _change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
         r, t = columns
-        field = self._fields(np.arange(len(self.stacks)), self.sines, self.every, "known")[1]
+        field = self._solved()
         lost = 1 - field
         safe = np.where(lost < _NOTHING, 1.0, lost)
         together = np.maximum((r + t - field) / safe, 0.0)

@@ -678,7 +678,8 @@ const inkwave = (() => {
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
         near = last;
-        known.push({ squared, further, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
+        const solved = position === "inner" ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
+        known.push({ squared, further, solved: { ra: solved[0], rb: solved[1], t: cn(measured) }, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
       });
       const at = (weights, kept, sine, times) => {
         let squared = [0, 0], further = [0, 0];
@@ -696,7 +697,8 @@ const inkwave = (() => {
       };
       const goesOn = Math.min(...between, index) > this.index - NARROWEST;
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
-      this.turnedBack.set(key, { at, goesOn, turns });
+      const solved = (d, times) => position === "inner" ? { ...known[d].solved, t: known[d].solved.t ** times } : known[d].solved;
+      this.turnedBack.set(key, { at, solved, goesOn, turns });
       return this.turnedBack.get(key);
     }
 
@@ -721,7 +723,8 @@ const inkwave = (() => {
         }
         return [share(cn(whole.ra)), share(power.ra)];
       };
-      const shares = sines.map((sine, d) => sharesOf([field(sine, every)[1], 0], columns[d]));
+      const solved = (sine, d) => [...slabs.map(([slab, times]) => slab.solved(d, times)), powers(faceBetween([joint * joint, 0], [1, 0], sine, pol))].reduce(powersThen).ra;
+      const shares = sines.map((sine, d) => sharesOf([Math.min(solved(sine, d), 1), 0], columns[d]));
       const atEdge = weightsAt(1, kept), fringes = sum(slabs.map(([slab, times]) => slab.turns * times));
       const seen = slabs.reduce((product, [slab, times]) => product * cn(slab.at(atEdge, kept, 1, times).t), 1);
       const interferes = seen >= FAINT && fringes <= MOST_FRINGES, begun = interferes ? Math.max(Math.ceil(fringes / FRINGES_OF_A_PIECE), 1) : 1, width = Math.sqrt(joint * joint - 1);

@@ -49,8 +49,8 @@ pub fn halved<const N: usize>(
 mod tests {
     use super::*;
 
-    /// A line of Lorentz's shape that both rules miss at first: its area is that of the arc tangent.
-    /// It ends where it never settles. *Planted*: pieces that are not halved.
+    /// A line of Lorentz's shape that both rules miss at first: its area is that of the arc
+    /// tangent. It ends where it never settles. *Planted*: pieces that are not halved.
     #[test]
     fn narrow_lines_are_found_and_the_search_ends() {
         let rules = [vec![(0.25, 0.5), (0.75, 0.5)], vec![(0.5, 1.0)]];

@@ -20,8 +20,8 @@
 //! with the amplitude p of an inner slab, for any real m: thicknesses between whole slabs have
 //! their own fringes.
 //!
-//! Light from a dense medium beyond the edge, which cannot leave on the other side, has zones of its
-//! own, in `trapped`.
+//! Light from a dense medium beyond the edge, which cannot leave on the other side, has zones of
+//! its own, in `trapped`.
 //!
 //! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 

@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Library {
-    /// Version of this form of file: 3; 1 lacks `lights`, 2 amplitudes of light that air turns back.
+    /// Version of this form of file: 3; 1 lacks `lights`, 2 amplitudes of light turned back by air.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,

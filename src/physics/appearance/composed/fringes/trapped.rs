@@ -106,6 +106,8 @@ struct KnownSlab {
     further: Complex64,
     /// r and r′ less those of that film, without the phases of their depths.
     reflected: [Complex64; 2],
+    /// |r|², |r′|² and |t|² of the mean wave as they were solved.
+    solved: [f64; 3],
 }
 
 /// A slab of an even medium.
@@ -136,8 +138,8 @@ pub(super) struct TrappedZone {
 }
 
 impl CoherentFilm {
-    /// What a layer of this many slabs is to light that cannot leave behind it; `composed` are R and
-    /// T at 0° and at all nodes.
+    /// What a layer of this many slabs is to light that cannot leave behind it; `composed` are R
+    /// and T at 0° and at all nodes.
     pub(super) fn trapped(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
         let [before, within, behind] = self.media.each_ref().map(|medium| medium.ordinates.index);
         let part = |slab: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {
@@ -245,8 +247,9 @@ impl TrappedZone {
             composed: sum,
             zone,
         };
-        let share = |(sine, composed): (&f64, &Lobes)| shares(all.field(*sine).incoherent, *composed);
-        all.shares = sines[nodes].iter().zip(composed).map(share).collect();
+        let known = sines[nodes].iter().zip(composed).enumerate();
+        let share = |(k, (sine, composed)): (usize, (&f64, &Lobes))| shares(all.solved(k, *sine), *composed);
+        all.shares = known.map(share).collect();
         if light.fewer_directions && all.places.len() > 1 {
             all.leave_out(all.places.len() / 2);
         }
@@ -279,6 +282,16 @@ impl TrappedZone {
             passive(Lobes { reflected, transmitted: 0.0 })
         };
         MeanField { coherent: lobes(whole.reflected[0].norm_sqr()), incoherent: lobes(powers.reflected[0]) }
+    }
+
+    /// The mean field in a known direction without interference between the slabs, as they were
+    /// solved: what composing makes of it, with the steps to their half-spaces.
+    fn solved(&self, direction: usize, sine: f64) -> Lobes {
+        let mut powers = FilmMatrix { reflected: [0.0; 2], transmitted: 1.0 };
+        for element in &self.elements {
+            powers = powers.then(element.solved(direction, sine, self.polarisation, self.wavenumber));
+        }
+        passive(Lobes { reflected: powers.reflected[0], transmitted: 0.0 })
     }
 
     /// R and T at a lateral wavenumber, with or without interference. Polynomials may leave what
@@ -363,8 +376,8 @@ impl TrappedElement {
         let mut known = Vec::new();
         let mut turned = 0.0;
         let mut start = Complex64::ZERO;
-        // From 0° outwards, so that logarithms do not jump between directions; what a far face mirrors
-        // of p light has a root on the way.
+        // From 0° outwards, so that logarithms do not jump between directions; what a far face
+        // mirrors of p light has a root on the way.
         let first = if is_last { zone.first + 1 } else { 0 };
         for direction in first..=zone.first + zone.count {
             let sine = if direction == 0 { 0.0 } else { light.ordinates.sines[direction - 1] };
@@ -380,6 +393,12 @@ impl TrappedElement {
             }
             start = own.known.squared;
             turned = own.turned;
+            own.known.solved = if is_last {
+                [value.norm_sqr(), 0.0, 0.0]
+            } else {
+                let [front, behind] = [amplitude(0, direction, 0)?, amplitude(1, direction, 0)?];
+                [front.norm_sqr(), behind.norm_sqr(), value.norm_sqr()]
+            };
             if !is_last {
                 let even = film.solved(own.known.squared, sine);
                 let phases = film.depths(own.known.squared, sine);
@@ -428,6 +447,20 @@ impl TrappedElement {
         FilmMatrix {
             reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
             transmitted: even.transmitted * here.further.exp(),
+        }
+    }
+
+    /// Powers in a known direction.
+    fn solved(&self, direction: usize, sine: f64, polarisation: usize, wavenumber: f64) -> FilmMatrix<f64> {
+        match self {
+            Self::Solved { film, count, known, .. } => {
+                let [front, behind, passed] = known[direction].solved;
+                if film.mirrors == Mirrors::Nowhere {
+                    return FilmMatrix { reflected: [0.0; 2], transmitted: passed.powf(*count) };
+                }
+                FilmMatrix { reflected: [front, behind], transmitted: passed }
+            }
+            plain => plain.at(&[], sine, polarisation, wavenumber).powers(),
         }
     }
 
@@ -488,9 +521,9 @@ impl EvenSlab {
         [depth, 1.0 - depth].map(|part| Complex64::from_polar(1.0, 2.0 * part * once))
     }
 
-    /// Logarithm of what the amplitude has beyond that of the plain medium's way, and beyond what the
-    /// faces of a film do: t, or r of light that is turned back. `near` is the imaginary part of
-    /// the logarithm in the direction before.
+    /// Logarithm of what the amplitude has beyond that of the plain medium's way, and beyond what
+    /// the faces of a film do: t, or r of light that is turned back. `near` is the imaginary part
+    /// of the logarithm in the direction before.
     fn logarithm(
         &self,
         measured: Complex64,
@@ -543,8 +576,8 @@ impl EvenSlab {
     }
 
     /// N² − n² of a slab that turns the light back, by Newton's method from that of the direction
-    /// before: where it absorbs much, the step in front of it mirrors as much as the far face, and N
-    /// does not follow from the way alone. `None` if it does not settle.
+    /// before: where it absorbs much, the step in front of it mirrors as much as the far face, and
+    /// N does not follow from the way alone. `None` if it does not settle.
     fn turning_back(&self, measured: Complex64, sine: f64, start: Complex64) -> Option<Complex64> {
         let miss = |squared: Complex64| logarithm(self.amplitude(squared, sine, true) / measured);
         let mut squared = start;
