@@ -173,13 +173,15 @@ impl StackFilm {
     /// all nodes.
     pub(super) fn trapped(&self, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
         let part = |element| match element {
-            &FilmElement::Solved(ref solved) => {
+            FilmElement::Solved(solved) => {
                 let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
                 let amplitudes = &solved.amplitudes;
                 TrappedPart::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
             }
-            &FilmElement::Face(media) => TrappedPart::Face(media),
-            &FilmElement::Even { index, thickness_um } => TrappedPart::Even { index, thickness_um },
+            FilmElement::Face(media) => TrappedPart::Face(*media),
+            FilmElement::Even { index, thickness_um } => {
+                TrappedPart::Even { index: *index, thickness_um: *thickness_um }
+            }
         };
         let parts: Vec<TrappedPart> = self.elements.iter().map(part).collect();
         let light = TrappedLight {
