@@ -137,6 +137,23 @@ pub(super) struct TrappedZone {
     composed: Lobes,
 }
 
+impl<'a> TrappedPart<'a> {
+    /// An element of a stack.
+    fn of(element: &'a FilmElement) -> Self {
+        match element {
+            FilmElement::Solved(solved) => {
+                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
+                let amplitudes = &solved.amplitudes;
+                Self::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
+            }
+            FilmElement::Face(media) => Self::Face(*media),
+            FilmElement::Even { index, thickness_um } => {
+                Self::Even { index: *index, thickness_um: *thickness_um }
+            }
+        }
+    }
+}
+
 impl CoherentFilm {
     /// What a layer of this many slabs is to light that cannot leave behind it; `composed` are R
     /// and T at 0° and at all nodes.
@@ -172,18 +189,7 @@ impl StackFilm {
     /// What the stack is to light that cannot leave behind it; `composed` are R and T at 0° and at
     /// all nodes.
     pub(super) fn trapped(&self, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
-        let part = |element| match element {
-            FilmElement::Solved(solved) => {
-                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
-                let amplitudes = &solved.amplitudes;
-                TrappedPart::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
-            }
-            FilmElement::Face(media) => TrappedPart::Face(*media),
-            FilmElement::Even { index, thickness_um } => {
-                TrappedPart::Even { index: *index, thickness_um: *thickness_um }
-            }
-        };
-        let parts: Vec<TrappedPart> = self.elements.iter().map(part).collect();
+        let parts: Vec<TrappedPart> = self.elements.iter().map(TrappedPart::of).collect();
         let light = TrappedLight {
             ordinates: &self.media[0].ordinates,
             beyond: self.media[1].ordinates.index,
