@@ -342,10 +342,9 @@ fn an_absorbing_film_in_slabs_in_contact_with_its_paper_has_its_fringes() {
                 let [lost, light] = absorbing_film(Complex64::new(n, k), phase, index_out, 0.9, polarised);
                 let off = [("absorptance_behind", lost), ("natural_light", light)]
                     .map(|(name, want)| value(row, name) - want);
-                println!("{wave} {n} {um} {nm}: {off:?} of {lost} {light}");
-                // Polynomials between the few directions that are solved; without the change it is off by 0.01.
+                // Polynomials between the few directions that are solved; without the change 0.8 µm are off by 0.007.
                 assert!(
-                    off.iter().all(|off| off.abs() < 1e-3),
+                    off.iter().all(|off| off.abs() < 2.5e-3),
                     "{wave} {n} {k} {um} µm {nm} nm: {off:?} of {lost} {light}"
                 );
             }
@@ -354,7 +353,7 @@ fn an_absorbing_film_in_slabs_in_contact_with_its_paper_has_its_fringes() {
 }
 
 /// An ink that hardly scatters, in contact with its paper, is the same in slabs and solved at once: what it absorbs of light from the
-/// paper, and R. *Planted*: light beyond the critical angle of air without interference, off by 0.013 and 0.009.
+/// paper, and R. *Planted*: light beyond the critical angle of air without interference, off by 0.006 and 0.0026.
 #[test]
 fn an_ink_in_slabs_in_contact_with_its_paper_is_the_ink_solved_at_once() {
     let scratch = tempfile::tempdir().unwrap();
@@ -363,18 +362,18 @@ title = "An ink that hardly scatters"
 [layer]
 thickness_um = [0.8]
 period_um = 0.8
-binder.index = 1.56
+binder.index = { n = 1.56, k = 0.01 }
 index_out = 1.45
 composed = { slab_um = 0.4 }
 [[pigment]]
 diameter_nm = 150
-volume_fraction = 0.3
-index = { n = 1.56, k = 0.05 }
+volume_fraction = 0.1
+index = { n = 1.6, k = 0.01 }
 [paper]
 albedo = 0.9
 coupling = "optical_contact"
 [light]
-wavelengths_nm = [450, 510, 570, 630]
+wavelengths_nm = [450, 550, 600, 650]
 [run]
 realisations = 4
 [resolution]
@@ -393,9 +392,8 @@ accuracy = 5e-2
     for name in ["absorptance_behind", "natural_light"] {
         let apart = rows[0].iter().zip(&rows[1]).map(|(a, b)| (value(a, name) - value(b, name)).powi(2));
         let apart = (apart.sum::<f64>() / 4.0).sqrt();
-        println!("{name}: {apart}");
-        // the chance of four packings is 0.002 in each
-        assert!(apart < 0.006, "{name}: {apart}");
+        // what the directions and the packings leave open is a third of what the planted fault is
+        assert!(apart < if name == "natural_light" { 0.002 } else { 0.003 }, "{name}: {apart}");
     }
 }
 
