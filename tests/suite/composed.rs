@@ -380,7 +380,7 @@ realisations = 4
 accuracy = 5e-2
 "#;
     let whole = text.replace("[0.8]", "0.8").replace("composed = { slab_um = 0.4 }\n", "");
-    let rows = [("slabs", text), ("whole", &whole)].map(|(name, text)| {
+    let rows = [("slabs", text), ("whole", whole.as_str())].map(|(name, text)| {
         let folder = scratch.path().join(name);
         std::fs::create_dir(&folder).unwrap();
         let output = folder.join("out");
@@ -389,11 +389,11 @@ accuracy = 5e-2
         rows.into_iter().filter(|row| row["polar_deg"].as_f64().unwrap_or(0.0) == 0.0).collect::<Vec<_>>()
     });
     assert_eq!((rows[0].len(), rows[1].len()), (4, 4));
-    for name in ["absorptance_behind", "natural_light"] {
+    // what the directions and the packings leave open is a third of what the planted fault is
+    for (name, most) in [("absorptance_behind", 0.003), ("natural_light", 0.002)] {
         let apart = rows[0].iter().zip(&rows[1]).map(|(a, b)| (value(a, name) - value(b, name)).powi(2));
         let apart = (apart.sum::<f64>() / 4.0).sqrt();
-        // what the directions and the packings leave open is a third of what the planted fault is
-        assert!(apart < if name == "natural_light" { 0.002 } else { 0.003 }, "{name}: {apart}");
+        assert!(apart < most, "{name}: {apart}");
     }
 }
 
