@@ -20,7 +20,7 @@ from ._program import InputError
 
 __all__ = ["Composed", "Library"]
 
-FORM = 2
+FORM = 3
 _FAINT = 1e-9
 _NOTHING = 1e-9
 _PIECE, _PIECES, _MOST_FRINGES = 8, 16, 200.0
@@ -31,6 +31,7 @@ _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
 _STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
 _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
+_NODES, _MEAN_ERROR, _FRINGES_OF_A_PIECE, _MOST_HALVINGS, _ROUNDS, _FURTHEST, _NARROWEST = (16, 11), 1e-7, 4.0, 48, 12, 1.0, 1e-3
 
 
 class _Flux(NamedTuple):
@@ -289,6 +290,8 @@ class Library:
         self._polarisations = int(joint["polarisations"])
         self._directions = [int(count) for count in joint["directions"]]
         self._near = self._directions[0]
+        # files before form 3 keep amplitudes of the directions from which light reaches air alone
+        self._kept_directions = 1 + (self._sines.size if form >= 3 else self._near)
         self._wave = content["wave"]
         self._eyes = {(eye["illuminant"], eye["observer"]): np.array(eye["weights"]) for eye in content["eyes"]}
         self._plates = content["plates"]
@@ -300,6 +303,9 @@ class Library:
         self._layers: Dict[Any, _Flux] = {}
         self._films: Dict[Any, List[Tuple[_Film, _Film]]] = {}
         self._fringes: Dict[Any, List[Tuple[np.ndarray, np.ndarray]]] = {}
+        self._turned_back: Dict[Any, _TrappedSlab] = {}
+        self._trapped_films: Dict[Any, Tuple[_Film, _Film]] = {}
+        self._trapped_turns: Dict[Any, Tuple[np.ndarray, np.ndarray]] = {}
         p = self._polarisations
         self._shares = {"scalar": [1.0], "s": [1.0, 0.0], "p": [0.0, 1.0]}.get(self._wave, [1.0 / p] * p)
         near = np.r_[0.0, self._sines[: self._near]]
@@ -334,7 +340,7 @@ class Library:
 
     def _unpacked(self, x: np.ndarray, states: Sequence[int]) -> _States:
         m, n = states
-        known, p = 1 + self._near, self._polarisations
+        known, p = self._kept_directions, self._polarisations
         if x.shape[-1] != m * m + n * n + 2 * m * n + 8 * known * p or not np.isfinite(x).all():
             raise InputError("a plate whose numbers are incomplete or not finite: gather the library again")
         ends = np.cumsum([m * m, n * n, m * n, m * n])
@@ -531,6 +537,14 @@ class Library:
             found.append((per_um * portion.thickness_um * times, np.abs(film.t[:, 0]) ** 2))
         return found
 
+    def _trapped_slab(self, number: int, position: str, change: _Change, p: int) -> "_TrappedSlab":
+        key = (number, position, self._own(number, change)._replace(grid=False, fewer=False), p)
+        if key not in self._turned_back:
+            portion, states = self._state(number, position, change)
+            within = np.array(self._plates[number]["within"])
+            self._turned_back[key] = _TrappedSlab(self, portion, states, within, p)
+        return self._turned_back[key]
+
     def _element(self, portion: _Portion, states: _States, within: np.ndarray, times: float, p: int, fewer: bool,
                  sines: np.ndarray) -> _Film:
         um, index = portion.thickness_um, within[:, None]
@@ -555,7 +569,8 @@ class Library:
             return [np.exp(2j * part * once) for part in (depth, 1.0 - depth)]
 
         known = self._known[None, :]
-        onward, back = states.amplitudes[:, 0, :, p, 1], states.amplitudes[:, 1, :, p, 1]
+        near = states.amplitudes[:, :, : self._known.size]
+        onward, back = near[:, 0, :, p, 1], near[:, 1, :, p, 1]
         root = np.sqrt(onward * back)
         root = np.where((np.conj(root) * onward).real < 0, -root, root)
         ratio = root / even(known, 0.0).t
@@ -564,7 +579,7 @@ class Library:
             turns = np.round((passed[:, d].imag - passed[:, d - 1].imag) / (2 * np.pi))
             passed[:, d] -= 2j * np.pi * turns
         film, phases = even(known, passed), depths(known, passed)
-        beyond = [(states.amplitudes[:, side, :, p, 0] - (film.ra, film.rb)[side]) * np.conj(phases[side]) for side in (0, 1)]
+        beyond = [(near[:, side, :, p, 0] - (film.ra, film.rb)[side]) * np.conj(phases[side]) for side in (0, 1)]
         kept = [d for d in range(known.size) if not (fewer and d == known.size // 2)]
         weights = _lagrange(self._places[kept], np.sqrt(np.maximum(1.0 - sines * sines, 0.0))).T
         here = passed[:, kept] @ weights
@@ -718,6 +733,248 @@ class Library:
         return errors
 
 
+def _going_on(squared: np.ndarray, sine: np.ndarray) -> np.ndarray:
+    """n cos θ in media of these squared indices: going on, or decaying."""
+    root = np.sqrt(np.asarray(squared - sine * sine, complex))
+    return np.asarray(np.where((root.imag < 0) & (root.real < -root.imag), -root, root))
+
+
+def _face_between(before: Any, behind: Any, sine: np.ndarray, p: int) -> _Film:
+    """A plane face between media of these squared indices."""
+    a, b = (_going_on(n, sine) / (1.0 if p == 0 else n) for n in (before, behind))
+    r = (a - b) / (a + b)
+    return _Film(r, -r, np.sqrt(1 - r * r))
+
+
+def _log(x: np.ndarray) -> np.ndarray:
+    there = np.abs(x) > _FAINT
+    return np.where(there, np.log(np.where(there, x, 1.0)), math.log(_FAINT) + 0j)
+
+
+class _TrappedSlab:
+    """A portion as light from the paper meets it beyond the critical angle of air, turned over: the even film of a complex index that
+    has its phase and its loss in every direction, and what is left over (wavelength, direction)."""
+
+    def __init__(self, library: Library, portion: _Portion, states: _States, within: np.ndarray, p: int):
+        self.p, self.um, self.inner = p, portion.thickness_um, portion.position == "inner"
+        self.k0 = 2 * np.pi / (1e-3 * library.wavelengths_nm[:, None])
+        self.squared_index = (within**2)[:, None]
+        self.before, self.behind = portion.between[:, 1:] ** 2, portion.between[:, :1] ** 2
+        self.mirrors = {"front": (False, True), "inner": (False, False), "back": (True, False), "whole": (True, True)}[portion.position]
+        self.depth = {"front": 1.0, "inner": 0.5, "whole": 0.5, "back": 0.0}[portion.position]
+        least = np.minimum(portion.between.min(1), within)
+        self.goes_on = least > library.joint_index - _NARROWEST
+        own = states.amplitudes[..., p, :]
+        onward = own[:, 1, :, 1]
+        root = np.sqrt(onward * own[:, 0, :, 1])
+        measured = np.where((np.conj(root) * onward).real < 0, -root, root)
+        sines, near = np.r_[0.0, library._sines], library._near
+        turned = np.zeros(within.size)
+        known = []
+        with np.errstate(all="ignore"):
+            for d, sine in enumerate(sines):
+                if d <= near:
+                    turned = self._logarithm(measured[:, d], 0.0, sine, turned).imag
+                    continue
+                squared, further, turned = self._even_of(measured[:, d], sine, turned)
+                at = np.array([sine])
+                film, phases = self.film(squared[:, None], at, (True, True)), self._depths(squared[:, None], at)
+                differences = [(own[:, 1 - side, d, 0] - (film.ra, film.rb)[side][:, 0]) * np.conj(phases[side][:, 0]) for side in (0, 1)]
+                known.append(np.array([squared, further, *differences]))
+        # (what, wavelength, direction)
+        self.known = np.stack(known, -1)
+        # powers of the mean wave as it was solved, from the paper's side (wavelength, direction)
+        near_ones = slice(near + 1, sines.size)
+        back, front = (0.0 * np.abs(own[:, side, near_ones, 0]) if self.inner else np.abs(own[:, side, near_ones, 0]) ** 2 for side in (1, 0))
+        self.solved = _Film(back, front, np.abs(measured[:, near_ones]) ** 2)
+
+    def phase(self, further: Any, sine: np.ndarray) -> np.ndarray:
+        """i k_z d of one way."""
+        return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * self.um)
+
+    def film(self, further: Any, sine: np.ndarray, faces: Tuple[bool, bool]) -> _Film:
+        """The even film with or without its faces to the half-spaces."""
+        squared = self.squared_index + further
+        way = np.exp(self.phase(further, sine))
+        film = _Film(np.zeros_like(way), np.zeros_like(way), way)
+        if faces[0]:
+            film = _face_between(self.before, squared, sine, self.p).then(film)
+        return film.then(_face_between(squared, self.behind, sine, self.p)) if faces[1] else film
+
+    def _depths(self, further: Any, sine: np.ndarray) -> List[np.ndarray]:
+        once = self.phase(further, sine).imag
+        return [np.exp(2j * part * once) for part in (self.depth, 1.0 - self.depth)]
+
+    def _logarithm(self, measured: np.ndarray, further: Any, sine: float, near: np.ndarray) -> np.ndarray:
+        at = np.array([sine])
+        further = np.asarray(further)[..., None] if np.ndim(further) else further
+        faces = self.film(further, at, (True, True)).t / np.exp(self.phase(further, at))
+        log = _log(measured / (faces * np.exp(self.phase(0.0, at)))[:, 0])
+        return np.asarray(log - 2j * np.pi * np.round((log.imag - near) / (2 * np.pi)))
+
+    def _even_of(self, measured: np.ndarray, sine: float, near: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        at = np.array([sine])
+        plain = self.phase(0.0, at)[:, 0]
+        first = log = self._logarithm(measured, 0.0, sine, near)
+        squared = np.zeros(measured.size, complex)
+        sound = np.ones(measured.size, bool)
+        for _ in range(_ROUNDS):
+            going = (plain + log) / (1j * self.k0[:, 0] * self.um)
+            squared = np.where(sound, going * going + sine * sine - self.squared_index[:, 0], squared)
+            sound &= np.isfinite(squared) & (np.abs(squared) < _FURTHEST)
+            squared = np.where(sound, squared, 0.0)
+            log = np.where(sound, self._logarithm(measured, squared, sine, log.imag), first)
+        left = _log(measured / self.film(squared[:, None], at, (True, True)).t[:, 0])
+        sound &= np.abs(left) < 0.1 * np.abs(first) + _FAINT
+        return np.where(sound, squared, 0.0), np.where(sound, left, first), np.where(sound, log.imag, first.imag)
+
+    def at(self, weights: np.ndarray, sine: np.ndarray, kept: Sequence[int], times: float) -> _Film:
+        """At sines; weights (sine, direction kept) of the known directions."""
+        own = self.known[..., kept]
+        squared, further, first, second = own @ weights.T
+        least = np.maximum(own[0].imag.min(1, keepdims=True), 0.0)
+        squared = squared.real + 1j * np.maximum(squared.imag, least)
+        further = np.minimum(further.real, own[1].real.max(1, keepdims=True)) + 1j * further.imag
+        sine = sine[None, :]
+        if self.inner:
+            t = np.exp((self.phase(squared, sine) + further) * times)
+            return _Film(np.zeros_like(t), np.zeros_like(t), t)
+        film, phases = self.film(squared, sine, self.mirrors), self._depths(squared, sine)
+        return _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further))
+
+
+class _TrappedStacks:
+    """Light from a paper in contact beyond the critical angle of air, in stacks of as many layers: it goes through, is turned back at the
+    air, and interferes with itself. Arrays are over stacks, wavelengths and sines."""
+
+    def __init__(self, library: Library, stacks: Sequence[_Stack], p: int):
+        self.library, self.stacks, self.p, self.joint = library, stacks, p, library.joint_index
+        self.sines = library._sines[library._near:]
+        self.places = self._place(self.sines)
+        self.every = list(range(self.sines.size))
+        fewer = stacks[0].change.fewer and self.sines.size > 1
+        self.kept = [d for d in self.every if not (fewer and d == self.sines.size // 2)]
+        self.goes_on = np.array([np.all([slab.goes_on for layer in stack.layers for slab, _ in self._slabs(layer, stack.change)], axis=0)
+                                 for stack in stacks])
+
+    def _place(self, sine: np.ndarray) -> np.ndarray:
+        return np.asarray(np.sqrt(np.maximum(self.joint**2 - sine * sine, 0.0)))
+
+    def _slabs(self, layer: Tuple[int, float], change: _Change) -> List[Tuple[_TrappedSlab, float]]:
+        """The slabs of a layer as the light from the paper meets them, and how many there are of each."""
+        places = reversed(self.library._places_of(layer[1], change))
+        return [(self.library._trapped_slab(layer[0], position, change, self.p), times) for position, times in places]
+
+    def _layer(self, layer: Tuple[int, float], change: _Change, sine: np.ndarray, kept: Sequence[int], tag: Any) -> Tuple[_Film, _Film]:
+        """A layer with and without interference between its slabs (wavelength, sine)."""
+        films = self.library._trapped_films
+        key = (layer, self.library._own(layer[0], change)._replace(grid=False, fewer=False), self.p, tuple(kept), tag)
+        if key not in films:
+            weights = _lagrange(self.places[kept], self._place(sine))
+            all_ = [slab.at(weights, sine, kept, times) for slab, times in self._slabs(layer, change)]
+            whole, powers = all_[0], all_[0].powers()
+            for film in all_[1:]:
+                whole, powers = whole.then(film), powers.then(film.powers())
+            if len(films) >= 16 * _MOST_FILMS:
+                films.clear()
+            films[key] = whole, powers
+        return films[key]
+
+    def _fields(self, some: np.ndarray, sine: np.ndarray, kept: Sequence[int], tag: Any) -> List[np.ndarray]:
+        """R of the mean field of some of the stacks with interference and without it."""
+        face = _face_between(self.joint**2, 1.0, sine[None, :], self.p)
+        found = []
+        for kind, last in enumerate((face, face.powers())):
+            whole: Optional[_Film] = None
+            for place in reversed(range(len(self.stacks[0].layers))):
+                of = [self._layer(self.stacks[k].layers[place], self.stacks[k].change, sine, kept, tag)[kind] for k in some]
+                film = _Film(*(np.array(x) for x in zip(*of)))
+                whole = film if whole is None else whole.then(film)
+            assert whole is not None
+            r = whole.then(last).ra
+            r = np.abs(r) ** 2 if kind == 0 else r
+            found.append(np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0))
+        return found
+
+    def _solved(self) -> np.ndarray:
+        """R of the mean field without interference between the slabs, as they were solved (stack, wavelength, direction)."""
+        face = _face_between(self.joint**2, 1.0, self.sines[None, :], self.p).powers()
+        found = []
+        for stack in self.stacks:
+            whole: Optional[_Film] = None
+            for layer in reversed(stack.layers):
+                for slab, times in self._slabs(layer, stack.change):
+                    film = slab.solved._replace(t=slab.solved.t**times)
+                    whole = film if whole is None else whole.then(film)
+            assert whole is not None
+            found.append(np.minimum(whole.then(face).ra, 1.0))
+        return np.array(found)
+
+    def _fringes(self, stack: _Stack) -> Tuple[np.ndarray, np.ndarray]:
+        """Fringes over the zone, and what of the light comes to the air (wavelength)."""
+        edge = np.array([1.0])
+        weights = _lagrange(self.places[self.kept], self._place(edge))
+        fringes, seen = np.zeros(self.goes_on.shape[1]), np.ones(self.goes_on.shape[1])
+        for layer in stack.layers:
+            key = (layer, self.library._own(layer[0], stack.change)._replace(grid=False, fewer=False), self.p, tuple(self.kept), "fringes")
+            if key not in self.library._trapped_turns:
+                turns, passed = np.zeros_like(fringes), np.ones_like(seen)
+                for slab, times in self._slabs(layer, stack.change):
+                    phases = [_going_on(slab.squared_index[:, 0], np.array(sine)).real for sine in (1.0, self.joint)]
+                    turns += 2 * (phases[0] - phases[1]) * slab.um * times * slab.k0[:, 0] / (2 * np.pi)
+                    passed *= np.abs(slab.at(weights, edge, self.kept, times).t[:, 0]) ** 2
+                self.library._trapped_turns[key] = turns, passed
+            turns, passed = self.library._trapped_turns[key]
+            fringes, seen = fringes + turns, seen * passed
+        return fringes, seen
+
+    def change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+        """What interference changes of R and T of this light as ∫ 2s ds; columns are R and T as composed (stack, wavelength, direction)."""
+        with np.errstate(all="ignore"):
+            return self._change(columns)
+
+    def _change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+        r, t = columns
+        field = self._solved()
+        lost = 1 - field
+        safe = np.where(lost < _NOTHING, 1.0, lost)
+        together = np.maximum((r + t - field) / safe, 0.0)
+        back = np.minimum(np.maximum((r - field) / safe, 0.0), together)
+        shares = [np.where(lost < _NOTHING, x, y)[..., self.kept] for x, y in ((r, back), (t, together - back))]
+        fringes, seen = (np.array(x) for x in zip(*(self._fringes(stack) for stack in self.stacks)))
+        interferes = (seen >= _FAINT) & (fringes <= _MOST_FRINGES)
+        begun = np.where(interferes, np.maximum(np.ceil(fringes / _FRINGES_OF_A_PIECE), 1.0), 1.0)
+        width = math.sqrt(self.joint**2 - 1.0)
+        rules = [np.polynomial.legendre.leggauss(count) for count in _NODES]
+        nodes = np.concatenate([0.5 * (1 + x) for x, _ in rules])
+        weights = [0.5 * w for _, w in rules]
+        total = np.zeros((2, *self.goes_on.shape))
+        # pieces of the zone with the stacks and wavelengths that they are of, as the program halves them
+        pieces = [(k / n, 1.0 / n, self.goes_on & (begun == n)) for n in np.unique(begun[self.goes_on]) for k in range(int(n))]
+        count = begun.copy()
+        while pieces:
+            start, size, of = pieces.pop(0)
+            some = np.flatnonzero(of.any(1))
+            angle = 0.5 * np.pi * (start + size * nodes)
+            place = width * np.cos(angle)
+            sine = np.sqrt(np.maximum(self.joint**2 - place * place, 0.0))
+            mean = np.where(interferes[some][..., None], *self._fields(some, sine, self.kept, (start, size)))
+            by = _lagrange(self.places[self.kept], self._place(sine)).T
+            reflected = np.clip(shares[0][some] @ by, 0.0, 1.0)
+            transmitted = np.minimum(np.maximum(shares[1][some] @ by, 0.0), 1.0 - reflected)
+            found = 0.5 * np.pi * width * width * np.sin(2 * angle) * np.array([mean + (1 - mean) * reflected, (1 - mean) * transmitted])
+            sums, check = size * found[..., : _NODES[0]] @ weights[0], size * found[..., _NODES[0]:] @ weights[1]
+            halved = np.zeros_like(of)
+            halved[some] = of[some] & (np.abs(sums - check).max(0) > _MEAN_ERROR) & (count[some] < begun[some] + _MOST_HALVINGS)
+            total[:, some] += np.where((of & ~halved)[some], sums, 0.0)
+            count += halved
+            if halved.any():
+                pieces += [(start, 0.5 * size, halved), (start + 0.5 * size, 0.5 * size, halved)]
+        own = self.library._weights[self.library._near:]
+        changes = [np.where(self.goes_on, x - y @ own, 0.0) for x, y in zip(total, (r, t))]
+        return changes[0], changes[1]
+
+
 class _Optics:
     """What stacks of as many layers are to light: their fluxes, and what interference changes of them."""
 
@@ -816,7 +1073,19 @@ class _Optics:
         without = tuple(x[..., :n] for x in self._lobes(self.exact, side, pol, 1))
         known = _with_loss(without, self.shares[side][pol])
         density = self.index**2 if side else 1.0
-        return tuple((x - (k[..., 1:] * weights).sum(-1)) / density for x, k in zip(self.over_hemisphere[side][pol], known))
+        beyond = self._of_trapped(pol) if side else (0.0, 0.0)
+        return tuple((x - (k[..., 1:] * weights).sum(-1) + y) / density
+                     for x, k, y in zip(self.over_hemisphere[side][pol], known, beyond))
+
+    def _of_trapped(self, pol: int) -> Tuple[Any, Any]:
+        """What interference changes of light from a paper in contact beyond the critical angle of air (stack, wavelength)."""
+        library = self.library
+        nodes = range(self.near, library._sines.size)
+        if not self.contact or not len(nodes) or library._kept_directions < 1 + library._sines.size:
+            return 0.0, 0.0
+        states = [1 + node * library._polarisations + pol for node in nodes]
+        r, t = (x.sum(-2)[..., states] for x in self._matrices(1))
+        return _TrappedStacks(library, self.stacks, pol).change((r, t))
 
     def _at(self, pol: int, k: int, kind: int) -> List[np.ndarray]:
         """R and T at one of the sines, with the loss shared."""

@@ -111,8 +111,8 @@ class Library(unittest.TestCase):
             with self.assertRaisesRegex(iw.InputError, words):
                 self.library.compose(composition)
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 2"):
-            iw.Library({**content, "inkwave_library": 3})
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 3"):
+            iw.Library({**content, "inkwave_library": 4})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         content["plates"][0]["portions"][0]["states"].pop()

@@ -3,8 +3,9 @@
 "use strict";
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
-  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 2, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 3, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
   const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
+  const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3;
   const sum = list => list.reduce((a, b) => a + b, 0);
   const range = n => Array.from({ length: n }, (_, k) => k);
 
@@ -203,6 +204,19 @@ const inkwave = (() => {
     }
     return found.reverse();
   }
+  // Light beyond the critical angle of air: media by their squared, complex indices
+  /** n cos θ: going on, or decaying. */
+  function goingOn(squared, sine) {
+    const root = cq([squared[0] - sine * sine, squared[1]]);
+    return root[1] < 0 && root[0] < -root[1] ? [-root[0], -root[1]] : root;
+  }
+  function faceBetween(before, behind, sine, p) {
+    const of = n => p === 0 ? goingOn(n, sine) : cd(goingOn(n, sine), n), a = of(before), b = of(behind), r = cd(cs(a, b), ca(a, b));
+    return { ra: r, rb: [-r[0], -r[1]], t: cq(cs([1, 0], cm(r, r))) };
+  }
+  const scale = (a, by) => [a[0] * by, a[1] * by];
+  const logOf = a => { const size = Math.hypot(...a); return size > FAINT ? [Math.log(size), Math.atan2(a[1], a[0])] : [Math.log(FAINT), 0]; };
+  const ZONE_RULES = NODES.map(gaussLegendre);
   const PIECE_RULE = gaussLegendre(PIECE), HEMISPHERE_RULE = gaussLegendre(64);
 
   function besselOne(x) {
@@ -330,6 +344,8 @@ const inkwave = (() => {
       this.weights = joint.weights;
       this.directions = joint.directions;
       this.near = joint.directions[0];
+      // files before form 3 keep amplitudes of the directions from which light reaches air alone
+      this.kept = 1 + (content.inkwave_library >= 3 ? this.sines.length : this.near);
       this.shares = { scalar: [1], s: [1, 0], p: [0, 1] }[content.wave] || Array(this.p).fill(1 / this.p);
       this.known = [0, ...this.sines.slice(0, this.near)];
       this.places = this.known.map(s => Math.sqrt(1 - s * s));
@@ -343,6 +359,7 @@ const inkwave = (() => {
       this.unpackedStates = new Map();
       this.fluxes = new Map();
       this.films = new Map();
+      this.turnedBack = new Map();
       this.front = this.face(true);
       this.back = turned(this.face(false));
       this.rules = new Map();
@@ -380,7 +397,7 @@ const inkwave = (() => {
       if (!this.unpackedStates.has(key)) {
         const at = this.content.plates[number].portions[portion].states[w], [m, n] = at.states;
         const x = new Float64Array(bytesOf(at.mean).buffer);
-        const known = 1 + this.near;
+        const known = this.kept;
         if (x.length !== m * m + n * n + 2 * m * n + 8 * known * this.p) throw new Refusal(`plate "${this.content.plates[number].name}": its numbers are incomplete; gather the library again`);
         if (cell >= 0) {
           const { unit, differences } = at.replicates[cell], d = new Int16Array(bytesOf(differences).buffer);
@@ -613,6 +630,121 @@ const inkwave = (() => {
       return out;
     }
 
+    /**
+     * A portion as light from the paper meets it beyond the critical angle of air, turned over: the even film of a complex index that has
+     * its phase and its loss in every direction, and what is left over.
+     */
+    trappedSlab(number, position, change, w, pol) {
+      const [k, cell] = this.portionOf(number, position, change), key = `${number}/${k}/${cell}/${w}/${pol}`;
+      if (this.turnedBack.has(key)) return this.turnedBack.get(key);
+      const plate = this.content.plates[number], { amplitude, between } = this.states(number, k, w, cell), um = plate.portions[k].thickness_um, index = plate.within[w];
+      const k0 = TAU / (1e-3 * this.nm[w]), before = [between[1] ** 2, 0], behind = [between[0] ** 2, 0];
+      const faces = { front: [false, true], inner: [false, false], back: [true, false], whole: [true, true] }[position], depth = { front: 1, inner: 0.5, whole: 0.5, back: 0 }[position];
+      const squaredOf = further => [index * index + further[0], further[1]];
+      const phase = (further, sine) => { const n = goingOn(squaredOf(further), sine); return [-n[1] * k0 * um, n[0] * k0 * um]; };
+      const film = (further, sine, [first, last]) => {
+        const squared = squaredOf(further);
+        let found = { ra: [0, 0], rb: [0, 0], t: ce(phase(further, sine)) };
+        if (first) found = filmThen(faceBetween(before, squared, sine, pol), found);
+        return last ? filmThen(found, faceBetween(squared, behind, sine, pol)) : found;
+      };
+      const depths = (further, sine) => { const once = phase(further, sine)[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const logarithm = (measured, further, sine, near) => {
+        const beside = cd(film(further, sine, [true, true]).t, ce(phase(further, sine))), log = logOf(cd(measured, cm(beside, ce(phase([0, 0], sine)))));
+        return [log[0], log[1] - TAU * Math.round((log[1] - near) / TAU)];
+      };
+      const sound = x => Number.isFinite(x[0]) && Number.isFinite(x[1]) && Math.hypot(...x) < FURTHEST;
+      const evenOf = (measured, sine, near) => {
+        const first = logarithm(measured, [0, 0], sine, near), plain = phase([0, 0], sine);
+        let log = first, squared = [0, 0];
+        for (let round = 0; round < ROUNDS; round++) {
+          const n = cd(ca(plain, log), [0, k0 * um]);
+          squared = ca(cm(n, n), [sine * sine - index * index, 0]);
+          if (!sound(squared)) break;
+          log = logarithm(measured, squared, sine, log[1]);
+        }
+        if (sound(squared)) {
+          const left = logOf(cd(measured, film(squared, sine, [true, true]).t));
+          if (Math.hypot(...left) < 0.1 * Math.hypot(...first) + FAINT) return [squared, left, log[1]];
+        }
+        return [[0, 0], first, first[1]];
+      };
+      const known = [];
+      let near = 0;
+      [0, ...this.sines].forEach((sine, d) => {
+        const onward = amplitude(1, d, pol, 1);
+        let measured = cq(cm(onward, amplitude(0, d, pol, 1)));
+        if (cm(conj(measured), onward)[0] < 0) measured = [-measured[0], -measured[1]];
+        if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
+        const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
+        near = last;
+        const solved = position === "inner" ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
+        known.push({ squared, further, solved: { ra: solved[0], rb: solved[1], t: cn(measured) }, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
+      });
+      const at = (weights, kept, sine, times) => {
+        let squared = [0, 0], further = [0, 0];
+        const reflected = [[0, 0], [0, 0]];
+        kept.forEach((d, i) => {
+          squared = add(squared, weights[i], known[d].squared);
+          further = add(further, weights[i], known[d].further);
+          for (const side of [0, 1]) reflected[side] = add(reflected[side], weights[i], known[d].reflected[side]);
+        });
+        squared[1] = Math.max(squared[1], Math.min(...kept.map(d => known[d].squared[1])), 0);
+        further[0] = Math.min(further[0], Math.max(...kept.map(d => known[d].further[0])));
+        if (position === "inner") return { ra: [0, 0], rb: [0, 0], t: ce(scale(ca(phase(squared, sine), further), times)) };
+        const own = film(squared, sine, faces), phases = depths(squared, sine);
+        return { ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(further)) };
+      };
+      const goesOn = Math.min(...between, index) > this.index - NARROWEST;
+      const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
+      const solved = (d, times) => position === "inner" ? { ...known[d].solved, t: known[d].solved.t ** times } : known[d].solved;
+      this.turnedBack.set(key, { at, solved, goesOn, turns });
+      return this.turnedBack.get(key);
+    }
+
+    /**
+     * What interference changes of R and T of light from a paper in contact beyond the critical angle of air, as ∫ 2s ds: it is turned back
+     * at the air. Columns are R and T as composed in its directions.
+     */
+    ofTrapped(job, w, pol, columns) {
+      const { change } = job, joint = this.index, slabs = [...job.layers].reverse().flatMap(([number, count]) =>
+        this.placesOf(count, change).reverse().map(([position, times]) => [this.trappedSlab(number, position, change, w, pol), times]));
+      if (!slabs.every(([slab]) => slab.goesOn)) return [0, 0];
+      const sines = this.sines.slice(this.near), place = s => Math.sqrt(Math.max(joint * joint - s * s, 0)), places = sines.map(place), every = range(sines.length);
+      const kept = change.fewer && every.length > 1 ? every.filter(d => d !== every.length >> 1) : every;
+      const weightsAt = (sine, known) => lagrange(known.map(d => places[d]), place(sine));
+      const share = r => Number.isFinite(r) ? Math.min(r, 1) : 1;
+      const field = (sine, known) => {
+        const weights = weightsAt(sine, known);
+        let whole = null, power = null;
+        for (const own of [...slabs.map(([slab, times]) => slab.at(weights, known, sine, times)), faceBetween([joint * joint, 0], [1, 0], sine, pol)]) {
+          whole = whole ? filmThen(whole, own) : own;
+          power = power ? powersThen(power, powers(own)) : powers(own);
+        }
+        return [share(cn(whole.ra)), share(power.ra)];
+      };
+      const solved = (sine, d) => [...slabs.map(([slab, times]) => slab.solved(d, times)), powers(faceBetween([joint * joint, 0], [1, 0], sine, pol))].reduce(powersThen).ra;
+      const shares = sines.map((sine, d) => sharesOf([Math.min(solved(sine, d), 1), 0], columns[d]));
+      const atEdge = weightsAt(1, kept), fringes = sum(slabs.map(([slab, times]) => slab.turns * times));
+      const seen = slabs.reduce((product, [slab, times]) => product * cn(slab.at(atEdge, kept, 1, times).t), 1);
+      const interferes = seen >= FAINT && fringes <= MOST_FRINGES, begun = interferes ? Math.max(Math.ceil(fringes / FRINGES_OF_A_PIECE), 1) : 1, width = Math.sqrt(joint * joint - 1);
+      const at = x => {
+        const t = 0.5 * Math.PI * x, v = width * Math.cos(t), sine = Math.sqrt(Math.max(joint * joint - v * v, 0)), weights = weightsAt(sine, kept);
+        const own = kept.reduce((l, d, i) => add(l, weights[i], shares[d]), [0, 0]), back = Math.min(Math.max(own[0], 0), 1), on = Math.min(Math.max(own[1], 0), 1 - back);
+        return scale(withLoss([field(sine, kept)[interferes ? 0 : 1], 0], [back, on]), 0.5 * Math.PI * width * width * Math.sin(2 * t));
+      };
+      const pieces = range(begun).map(k => [k / begun, 1 / begun]);
+      let total = [0, 0], count = begun;
+      while (pieces.length) {
+        const [from, size] = pieces.shift(), [mean, check] = ZONE_RULES.map(rule => rule.reduce((l, [x, weight]) => add(l, size * weight, at(from + size * x)), [0, 0]));
+        if (Math.max(Math.abs(mean[0] - check[0]), Math.abs(mean[1] - check[1])) > MEAN_ERROR && count < begun + MOST_HALVINGS) {
+          count++;
+          pieces.push([from, size / 2], [from + size / 2, size / 2]);
+        } else total = add(total, 1, mean);
+      }
+      return columns.reduce((l, own, d) => add(l, -this.weights[this.near + d], own), total);
+    }
+
     fringes(job, w, pol, turnedOver) {
       const all = job.layers.flatMap(([number, count]) => this.layerFilm(number, count, job.change, w, pol, 0).turns);
       const face = 1 - ((1 - this.index) / (1 + this.index)) ** 2;
@@ -651,6 +783,10 @@ const inkwave = (() => {
         let change = [r, on];
         losses.forEach((loss, i) => { change = add(change, loss, tables[pol].sides[s].lost[rule.kept[fewer][i]]); });
         range(near).forEach(node => { change = add(change, -this.weights[node], tables[pol].sides[s].incoherent[node + 1]); });
+        if (s && job.contact && this.kept > 1 + near && this.sines.length > near) {
+          const columns = range(this.sines.length - near).map(k => 1 + (near + k) * p + pol).map(k => [sums.rb[k], sums.tba[k]]);
+          change = add(change, 1, this.ofTrapped(job, w, pol, columns));
+        }
         return s ? change.map(x => x / index ** 2) : change;
       };
       const nodeShares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT)), at45Place = near + 1;

@@ -13,6 +13,7 @@ pub mod estimate;
 pub mod exponential;
 pub mod files;
 pub mod fourier;
+pub mod integral;
 pub mod interpolate;
 pub mod vector;
 

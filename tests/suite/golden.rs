@@ -271,8 +271,9 @@ fn a_sweep_has_its_golden_numbers() {
 // derivatives of colours from the whole ensemble, and the profile of a relief refers to the whole height.
 // Method 8 cuts the slabs of composed layers out of packings. Method 10 follows the fringes of composed layers at any thickness and in
 // the series of the paper, takes Maxwell Garnett's index between their slabs, holds in every bar what listed wavelengths miss and the errors
-// of index tables, publishes coherent transmittances, and gives distributions per steradian of the medium.
-const METHODS: [(u32, &str); 12] = [
+// of index tables, publishes coherent transmittances, and gives distributions per steradian of the medium. Method 13 lets light from a paper
+// in contact with a composed layer interfere beyond the critical angle.
+const METHODS: [(u32, &str); 13] = [
     (1, "f8549ee6fb120b47"),
     (2, "69a87c405875bd13"),
     (3, "69a87c405875bd13"),
@@ -285,6 +286,7 @@ const METHODS: [(u32, &str); 12] = [
     (10, "117470018adbff9c"),
     (11, "08d326a797070f78"),
     (12, "df5549a0389ca305"),
+    (13, "df5549a0389ca305"),
 ];
 
 /// The script still reads the solves and comes to the numbers beside them. `varied` takes it a minute: by hand.

@@ -3,11 +3,11 @@
 use crate::appearance::film::{Film, Profile};
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::input::variation::{MEAN_INDEX, ThicknessShare};
+use crate::numerics::integral::{Halving, halved};
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Side, Wave};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
-use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
 
@@ -36,33 +36,10 @@ static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
     })
 });
 
-/// ∫₀¹ of several functions, in equal pieces that are halved until two rules agree: fringes
-/// of thick films and resonances of guided light are not missed. `begun` and `most` are the
-/// numbers of pieces.
+/// ∫₀¹ of several functions: fringes of thick films and resonances of guided light are not missed.
+/// `begun` and `most` are the numbers of pieces.
 fn integral<const N: usize>([begun, most]: [usize; 2], functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
-    let mut sum = [0.0; N];
-    let width = 1.0 / begun as f64;
-    let mut pieces: VecDeque<(f64, f64)> = (0..begun).map(|k| (width * k as f64, width)).collect();
-    let mut count = begun;
-    while let Some((from, width)) = pieces.pop_front() {
-        let [mean, check] = RULES.each_ref().map(|rule| {
-            rule.iter().fold([0.0; N], |mut sum, (x, weight)| {
-                let values = functions(from + width * x);
-                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += width * weight * value);
-                sum
-            })
-        });
-        let error =
-            mean.iter().zip(check).fold(0.0, |most: f64, (mean, check)| most.max((mean - check).abs()));
-        if error > MEAN_ERROR && count < most {
-            count += 1;
-            let half = 0.5 * width;
-            pieces.extend([(from, half), (from + half, half)]);
-        } else {
-            sum.iter_mut().zip(mean).for_each(|(sum, mean)| *sum += mean);
-        }
-    }
-    sum
+    halved(&RULES, Halving { begun, most, error: MEAN_ERROR }, functions)
 }
 
 /// Polar angles in degrees with the weights of 2∫₀¹ f μ dμ.

@@ -20,17 +20,22 @@
 //! with the amplitude p of an inner slab, for any real m: thicknesses between whole slabs have
 //! their own fringes.
 //!
+//! Light from a dense medium beyond the edge, which cannot leave on the other side, has zones of
+//! its own, in `trapped`.
+//!
 //! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 
 mod lobes;
 mod slab_film;
 pub mod stack_film;
+mod trapped;
 
 pub use lobes::Lobes;
 pub use slab_film::CoherentFilm;
 
 use self::slab_film::Slow;
 use self::stack_film::{Beyond, StackFilm};
+use self::trapped::TrappedZone;
 use super::flux::Hemisphere;
 use super::ordinates::gauss_legendre;
 use crate::numerics::interpolate::lagrange;
@@ -68,6 +73,8 @@ pub struct Interference<'a> {
     shares: Vec<Lobes>,
     /// R and T there without interference.
     incoherent: Vec<Lobes>,
+    /// Zones whose light cannot leave on the other side.
+    trapped: Vec<TrappedZone>,
 }
 
 /// The mean wave, and what it differs by from that in even media in the known directions.
@@ -91,7 +98,7 @@ struct KnownField {
 }
 
 impl StackFilm {
-    /// The stack, whose R and T at 0° and at the nodes are composed as `composed`.
+    /// The stack, whose R and T at 0° and at all nodes are composed as `composed`.
     pub fn interference(&self, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
         let sines = known_sines(&self.media[0]);
         let beyond = self.beyond(&sines, polarisation);
@@ -102,6 +109,7 @@ impl StackFilm {
         let fields: Vec<Lobes> = sines.iter().enumerate().map(incoherent).collect();
         let wave = MeanWave::Stack { film: self, beyond };
         let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
+        interference.trapped = self.trapped(polarisation, composed);
         if self.fewer_directions {
             interference.leave_out(sines.len() / 2);
         }
@@ -134,7 +142,7 @@ impl<'a> Interference<'a> {
         let places = known_sines(before).iter().map(|sine| place(before, *sine)).collect();
         let shares: Vec<Lobes> = fields.iter().zip(composed).map(|(f, c)| shares(*f, *c)).collect();
         let incoherent = fields.iter().zip(&shares).map(|(field, shares)| field.with_loss(*shares)).collect();
-        Self { wave, before, polarisation, places, shares, incoherent }
+        Self { wave, before, polarisation, places, shares, incoherent, trapped: Vec::new() }
     }
 
     /// Leaves one of the known directions out of the polynomials.
@@ -248,6 +256,9 @@ impl<'a> Interference<'a> {
         }
         for (incoherent, weight) in self.incoherent[1..].iter().zip(&ordinates.weights) {
             change = change.plus(-weight, *incoherent);
+        }
+        for zone in &self.trapped {
+            change = change.plus(1.0, zone.change());
         }
         Lobes::default().plus(ordinates.index.powi(-2), change)
     }

@@ -11,7 +11,7 @@ use crate::wave::grid::element::legendre;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
-const NARROWEST: f64 = 1e-3;
+pub(super) const NARROWEST: f64 = 1e-3;
 /// Steps of the search for the roots of a polynomial of small degree.
 const BISECTIONS: usize = 60;
 /// Intervals in which sign changes are sought, for each node.
@@ -24,6 +24,26 @@ struct Zone {
     to: f64,
     nodes: Vec<f64>,
     first: usize,
+}
+
+/// Directions of a half-space between two critical angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DirectionZone {
+    /// Lateral wavenumber at which it begins.
+    pub from: f64,
+    /// Lateral wavenumber at which it ends.
+    pub to: f64,
+    /// Place of its first node among all.
+    pub first: usize,
+    /// Number of its nodes.
+    pub count: usize,
+}
+
+impl DirectionZone {
+    /// v = √(s₁² − s²) of a lateral wavenumber s in the zone, which ends at s₁.
+    pub(super) fn place(&self, sine: f64) -> f64 {
+        (self.to * self.to - sine * sine).max(0.0).sqrt()
+    }
 }
 
 /// Directions of a half-space with their weights.
@@ -113,6 +133,18 @@ impl Ordinates {
     /// Lateral wavenumber at which the first zone ends.
     pub fn edge(&self) -> f64 {
         self.zones.first().map_or(self.index, |zone| zone.to)
+    }
+
+    /// The zones beyond the first, from which no light reaches air.
+    pub(super) fn beyond_edge(&self) -> Vec<DirectionZone> {
+        let beyond = self.zones.iter().filter(|zone| zone.from > 0.0);
+        let zone = |&Zone { from, to, ref nodes, first }: &Zone| DirectionZone {
+            from,
+            to,
+            first,
+            count: nodes.len(),
+        };
+        beyond.map(zone).collect()
     }
 
     /// Nodes from which light reaches air: the first zone.

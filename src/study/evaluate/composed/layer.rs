@@ -201,14 +201,14 @@ fn mean(shares: &[f64], lobes: impl Fn(usize) -> Lobes) -> Lobes {
     present.fold(Lobes::default(), |sum, (p, share)| sum.plus(*share, lobes(p)))
 }
 
-/// R and T of light from a side at 0° and at the nodes of the zone that passes both surfaces.
+/// R and T of light from a side at 0° and at all nodes.
 fn columns(plate: &Plate, side: usize, medium: &Hemisphere, polarisation: usize) -> Vec<Lobes> {
     let lobes = |direction: usize| {
         let state = medium.state(direction, polarisation);
         let sum = |m: &Mat<f64>| m.col(state).iter().sum::<f64>();
         Lobes { reflected: sum(&plate.reflection[side]), transmitted: sum(&plate.transmission[side]) }
     };
-    (0..=medium.ordinates.escaping()).map(lobes).collect()
+    (0..=medium.ordinates.count()).map(lobes).collect()
 }
 
 /// Equal shares of the polarisations.

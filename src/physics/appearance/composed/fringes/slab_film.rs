@@ -64,7 +64,7 @@ impl CoherentFilm {
         Self { slabs: [turned(back), turned(inner), turned(front)], media: [behind, within, before], ..*self }
     }
 
-    /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at the
+    /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at all
     /// nodes are composed as `composed`.
     pub fn interference(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
         let sines = known_sines(&self.media[0]);
@@ -77,6 +77,7 @@ impl CoherentFilm {
         let beyond = sines.iter().zip(&solved).map(even).collect();
         let wave = MeanWave::Slabs { film: self, count, beyond };
         let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
+        interference.trapped = self.trapped(count, polarisation, composed);
         if self.fewer_directions {
             interference.leave_out(sines.len() / 2);
         }

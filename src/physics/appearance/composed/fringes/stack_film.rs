@@ -73,7 +73,7 @@ pub enum Mirrors {
 impl Mirrors {
     /// Seen from the front, the depth at which the wave is mirrored, as a part of the thickness:
     /// with faces on both sides half of it, from which either phase is the least.
-    fn depth(self) -> f64 {
+    pub(super) fn depth(self) -> f64 {
         match self {
             Self::InFront => 0.0,
             Self::Nowhere | Self::OnBothSides => 0.5,
@@ -106,9 +106,9 @@ pub struct StackFilm {
 
 /// Amplitudes of an element: r, r′ and t; or their squared moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct FilmMatrix<T> {
-    reflected: [T; 2],
-    transmitted: T,
+pub(super) struct FilmMatrix<T> {
+    pub(super) reflected: [T; 2],
+    pub(super) transmitted: T,
 }
 
 impl<T: Copy + Add<Output = T> + Mul<Output = T>> FilmMatrix<T> {
@@ -127,11 +127,11 @@ impl<T: Copy + Add<Output = T> + Mul<Output = T>> FilmMatrix<T> {
 }
 
 impl FilmMatrix<Complex64> {
-    fn then(self, behind: Self) -> Self {
+    pub(super) fn then(self, behind: Self) -> Self {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]))
     }
 
-    fn powers(self) -> FilmMatrix<f64> {
+    pub(super) fn powers(self) -> FilmMatrix<f64> {
         FilmMatrix {
             reflected: self.reflected.map(|r| r.norm_sqr()),
             transmitted: self.transmitted.norm_sqr(),
@@ -140,7 +140,7 @@ impl FilmMatrix<Complex64> {
 }
 
 impl FilmMatrix<f64> {
-    fn then(self, behind: Self) -> Self {
+    pub(super) fn then(self, behind: Self) -> Self {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT))
     }
 }

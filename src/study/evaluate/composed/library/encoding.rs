@@ -1,7 +1,7 @@
 //! The numbers of a portion as a library writes them.
 //!
 //! Numbers of one portion at one wavelength follow one another in this order, with m states in
-//! front, n behind and d + 1 known directions (0° and the nodes from which light reaches air):
+//! front, n behind and d + 1 known directions (0° and the joint's nodes):
 //!
 //! ```text
 //! R from in front (m × m), R from behind (n × n), T onward (n × m), T back (m × n), row by row
@@ -21,9 +21,10 @@ use num_complex::Complex64;
 const FULL_SCALE: f64 = 32_767.0;
 
 impl JointMedium {
-    /// Directions whose amplitudes are kept: 0° and the nodes from which light reaches air.
+    /// Directions whose amplitudes are kept: 0° and the joint's nodes, which media of other indices
+    /// have at other angles, or beyond their own.
     fn known_directions(&self) -> usize {
-        1 + self.directions[0]
+        1 + self.sines.len()
     }
 }
 
@@ -59,9 +60,12 @@ fn listed(states: &PortionStates, known: usize) -> Vec<f64> {
         }
     }
     for side in &states.coherent {
-        for lobes in side[..known].iter().flatten() {
+        for lobes in side.iter().take(known).flatten() {
             all.extend(lobes.iter().flat_map(|amplitude| [amplitude.re, amplitude.im]));
         }
+        // a medium that is nearly air has none beyond it
+        let polarisations = side.first().map_or(0, Vec::len);
+        all.resize(all.len() + 4 * polarisations * known.saturating_sub(side.len()), 0.0);
     }
     all
 }

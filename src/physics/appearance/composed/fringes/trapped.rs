@@ -1,0 +1,630 @@
+//! Fringes of light that cannot leave on the other side: from a dense medium beyond the critical
+//! angle of air, as light of a paper in optical contact.
+//!
+//! Such light goes through the layer, is reflected as a whole at its far face, with a phase, and
+//! comes back: nothing of the mean field is transmitted, and what is not reflected is scattered or
+//! absorbed. Its film has fringes in what it absorbs, and towards grazing angles, where the near
+//! face reflects as much as the far one, resonances.
+//!
+//! In a zone of [`Ordinates`](crate::appearance::composed::ordinates::Ordinates) beyond the edge,
+//! every element is compared with an even film of a complex index N that has its phase and its loss
+//! in the known direction: of a film that is even, N is the same in all directions and nothing else
+//! is left over. In between, N² − n² and what is left over are polynomials in √(s₁² − s²) in the
+//! zone that ends at s₁. The half-spaces that a slab is solved between, where its medium goes on,
+//! are in its solve and not in the layer.
+
+use super::slab_film::{CoherentFilm, logarithm};
+use super::stack_film::{FilmElement, FilmMatrix, Mirrors, SolvedElement, StackFilm};
+use super::{FAINT, Lobes, MOST_FRINGES, MeanField, passive, shares};
+use crate::appearance::composed::flux::Coherent;
+use crate::appearance::composed::ordinates::{DirectionZone, NARROWEST, Ordinates};
+use crate::numerics::integral::{Halving, halved};
+use crate::numerics::interpolate::lagrange;
+use gauss_quad::GaussLegendre;
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::LazyLock;
+
+/// Nodes of a piece of the mean over a zone, and of the rule beside it that tells where they do not
+/// suffice: a piece is halved where both differ by more than an error, far below any bar.
+const NODES: [usize; 2] = [16, 11];
+const MEAN_ERROR: f64 = 1e-7;
+/// Fringes of the pieces that are begun with, and most pieces beyond them.
+const FRINGES_OF_A_PIECE: f64 = 4.0;
+const MOST_HALVINGS: usize = 48;
+/// Rounds of the search for N: what faces do to the phase is a tenth of what the way does, or less.
+const ROUNDS: usize = 12;
+/// Step of Newton's differences, and the logarithm at which it has settled.
+const STEP: f64 = 1e-6;
+const SETTLED: f64 = 1e-9;
+/// Largest |N² − n²| that an even film is compared with; beyond it, N is n.
+const FURTHEST: f64 = 1.0;
+
+/// Rules on 0…1.
+static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
+    NODES.map(|count| {
+        let rule = GaussLegendre::new(count).expect("a positive number of nodes");
+        rule.iter().map(|(x, weight)| (0.5 * (1.0 + x), 0.5 * weight)).collect()
+    })
+});
+
+/// One element as light from the dense side meets it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TrappedPart<'a> {
+    /// A slab, or a whole layer, that was solved between two half-spaces.
+    Solved(TrappedSlab<'a>),
+    /// A plane face between two media.
+    Face([Complex64; 2]),
+    /// An even medium.
+    Even { index: Complex64, thickness_um: f64 },
+}
+
+/// What the solves of a slab say of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrappedSlab<'a> {
+    /// Its mean amplitudes.
+    pub amplitudes: &'a Coherent,
+    /// Real indices of the half-spaces in front and behind.
+    pub between: [f64; 2],
+    /// Real index of the even medium that it is compared with.
+    pub index: f64,
+    /// Its thickness, µm.
+    pub thickness_um: f64,
+    /// Where its medium ends.
+    pub mirrors: Mirrors,
+    /// How many of it stand one behind another.
+    pub count: f64,
+}
+
+/// The light of one zone: of one polarisation, at one wavelength.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrappedLight<'a> {
+    /// Directions of the medium that it comes from.
+    pub ordinates: &'a Ordinates,
+    /// Index of the medium behind the layer, where it decays.
+    pub beyond: f64,
+    pub polarisation: usize,
+    pub wavelength_um: f64,
+    /// Whether one of the known directions is left out.
+    pub fewer_directions: bool,
+}
+
+/// An element in the known directions of a zone.
+#[derive(Clone, Debug)]
+enum TrappedElement {
+    Solved { film: EvenSlab, count: f64, is_last: bool, known: Vec<KnownSlab> },
+    Face([Complex64; 2]),
+    Even { squared: Complex64, thickness_um: f64 },
+}
+
+/// What is known of a slab in one direction.
+#[derive(Clone, Copy, Debug, Default)]
+struct KnownSlab {
+    /// N² − n².
+    squared: Complex64,
+    /// Logarithm of t over that of the even film of index N; of r, where the light is turned back.
+    further: Complex64,
+    /// r and r′ less those of that film, without the phases of their depths.
+    reflected: [Complex64; 2],
+    /// |r|², |r′|² and |t|² of the mean wave as they were solved.
+    solved: [f64; 3],
+}
+
+/// A slab of an even medium.
+#[derive(Clone, Copy, Debug)]
+struct EvenSlab {
+    between: [f64; 2],
+    index: f64,
+    thickness_um: f64,
+    mirrors: Mirrors,
+    polarisation: usize,
+    /// Vacuum wavenumber, 1/µm.
+    wavenumber: f64,
+}
+
+/// One zone beyond the edge.
+#[derive(Clone, Debug)]
+pub(super) struct TrappedZone {
+    zone: DirectionZone,
+    polarisation: usize,
+    wavenumber: f64,
+    elements: Vec<TrappedElement>,
+    /// √(s₁² − s²) of the known directions.
+    places: Vec<f64>,
+    /// Shares of the loss there that composing reflects and transmits.
+    shares: Vec<Lobes>,
+    /// R and T of the zone as composed of its nodes, times their étendues.
+    composed: Lobes,
+}
+
+impl<'a> TrappedPart<'a> {
+    /// An element of a stack.
+    fn of(element: &'a FilmElement) -> Self {
+        match element {
+            FilmElement::Solved(solved) => {
+                let &SolvedElement { between, index, thickness_um, mirrors, count, .. } = solved;
+                let amplitudes = &solved.amplitudes;
+                Self::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
+            }
+            FilmElement::Face(media) => Self::Face(*media),
+            FilmElement::Even { index, thickness_um } => {
+                Self::Even { index: *index, thickness_um: *thickness_um }
+            }
+        }
+    }
+}
+
+impl CoherentFilm {
+    /// What a layer of this many slabs is to light that cannot leave behind it; `composed` are R
+    /// and T at 0° and at all nodes.
+    pub(super) fn trapped(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
+        let [before, within, behind] = self.media.each_ref().map(|medium| medium.ordinates.index);
+        let part = |slab: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {
+            TrappedPart::Solved(TrappedSlab {
+                amplitudes: &self.slabs[slab],
+                between,
+                index: within,
+                thickness_um: self.slab_um,
+                mirrors,
+                count,
+            })
+        };
+        let parts = [
+            part(0, [before, within], Mirrors::InFront, 1.0),
+            part(1, [within; 2], Mirrors::Nowhere, count - 2.0),
+            part(2, [within, behind], Mirrors::Behind, 1.0),
+        ];
+        let light = TrappedLight {
+            ordinates: &self.media[0].ordinates,
+            beyond: behind,
+            polarisation,
+            wavelength_um: self.wavelength_um,
+            fewer_directions: self.fewer_directions,
+        };
+        TrappedZone::all(&parts, light, composed)
+    }
+}
+
+impl StackFilm {
+    /// What the stack is to light that cannot leave behind it; `composed` are R and T at 0° and at
+    /// all nodes.
+    pub(super) fn trapped(&self, polarisation: usize, composed: &[Lobes]) -> Vec<TrappedZone> {
+        let parts: Vec<TrappedPart> = self.elements.iter().map(TrappedPart::of).collect();
+        let light = TrappedLight {
+            ordinates: &self.media[0].ordinates,
+            beyond: self.media[1].ordinates.index,
+            polarisation,
+            wavelength_um: self.wavelength_um,
+            fewer_directions: self.fewer_directions,
+        };
+        TrappedZone::all(&parts, light, composed)
+    }
+}
+
+impl TrappedZone {
+    /// All zones of the light whose directions are known in all elements; `composed` are R and T
+    /// at 0° and at all nodes.
+    pub(super) fn all(parts: &[TrappedPart], light: TrappedLight, composed: &[Lobes]) -> Vec<Self> {
+        let zones = light.ordinates.beyond_edge().into_iter();
+        let trapped = zones.filter(|zone| zone.from > light.beyond - NARROWEST);
+        trapped.filter_map(|zone| Self::new(parts, light, zone, composed)).collect()
+    }
+
+    fn new(
+        parts: &[TrappedPart],
+        light: TrappedLight,
+        zone: DirectionZone,
+        composed: &[Lobes],
+    ) -> Option<Self> {
+        let nodes = zone.first..zone.first + zone.count;
+        let composed = composed.get(1 + nodes.start..1 + nodes.end)?;
+        let sines = &light.ordinates.sines;
+        let wavenumber = TAU / light.wavelength_um;
+        let last = parts.len().checked_sub(1)?;
+        let element = |(number, part): (usize, &TrappedPart)| {
+            let propagates = |index: f64| index > zone.to - NARROWEST;
+            match part {
+                TrappedPart::Solved(slab) => {
+                    let media = [slab.between[0], slab.index, slab.between[1]];
+                    let inside = if number == last { &media[..2] } else { &media[..] };
+                    let own = || TrappedElement::of_slab(slab, light, wavenumber, &zone, number == last);
+                    inside.iter().all(|index| propagates(*index)).then(own)?
+                }
+                TrappedPart::Face(media) => {
+                    let inside = if number == last { &media[..1] } else { &media[..] };
+                    let face = TrappedElement::Face(media.map(|index| index * index));
+                    inside.iter().all(|index| propagates(index.re)).then_some(face)
+                }
+                TrappedPart::Even { index, thickness_um } => {
+                    let even = TrappedElement::Even { squared: index * index, thickness_um: *thickness_um };
+                    (number < last && propagates(index.re)).then_some(even)
+                }
+            }
+        };
+        let elements = parts.iter().enumerate().map(element).collect::<Option<Vec<_>>>()?;
+        let places = sines[nodes.clone()].iter().map(|sine| zone.place(*sine)).collect();
+        let weights = &light.ordinates.weights[nodes.clone()];
+        let whole = Lobes::default();
+        let sum = weights.iter().zip(composed).fold(whole, |sum, (weight, lobes)| sum.plus(*weight, *lobes));
+        let mut all = Self {
+            polarisation: light.polarisation,
+            wavenumber,
+            elements,
+            places,
+            shares: Vec::new(),
+            composed: sum,
+            zone,
+        };
+        let known = sines[nodes].iter().zip(composed).enumerate();
+        let share = |(k, (sine, composed)): (usize, (&f64, &Lobes))| shares(all.solved(k, *sine), *composed);
+        all.shares = known.map(share).collect();
+        if light.fewer_directions && all.places.len() > 1 {
+            all.leave_out(all.places.len() / 2);
+        }
+        Some(all)
+    }
+
+    /// Leaves one of the known directions out of the polynomials.
+    fn leave_out(&mut self, direction: usize) {
+        self.places.remove(direction);
+        self.shares.remove(direction);
+        for element in &mut self.elements {
+            if let TrappedElement::Solved { known, .. } = element {
+                known.remove(direction);
+            }
+        }
+    }
+
+    /// The mean field at a lateral wavenumber of the zone: nothing passes.
+    fn field(&self, sine: f64) -> MeanField {
+        let weights = lagrange(&self.places, self.zone.place(sine));
+        let mut whole = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: Complex64::ONE };
+        let mut powers = whole.powers();
+        for element in &self.elements {
+            let next = element.at(&weights, sine, self.polarisation, self.wavenumber);
+            whole = whole.then(next);
+            powers = powers.then(next.powers());
+        }
+        let lobes = |reflected: f64| {
+            let reflected = if reflected.is_finite() { reflected } else { 1.0 };
+            passive(Lobes { reflected, transmitted: 0.0 })
+        };
+        MeanField { coherent: lobes(whole.reflected[0].norm_sqr()), incoherent: lobes(powers.reflected[0]) }
+    }
+
+    /// The mean field in a known direction without interference between the slabs, as they were
+    /// solved: what composing makes of it, with the steps to their half-spaces.
+    fn solved(&self, direction: usize, sine: f64) -> Lobes {
+        let mut powers = FilmMatrix { reflected: [0.0; 2], transmitted: 1.0 };
+        for element in &self.elements {
+            powers = powers.then(element.solved(direction, sine, self.polarisation, self.wavenumber));
+        }
+        passive(Lobes { reflected: powers.reflected[0], transmitted: 0.0 })
+    }
+
+    /// R and T at a lateral wavenumber, with or without interference. Polynomials may leave what
+    /// shares can be: 0 to 1 together.
+    fn lobes(&self, sine: f64, interferes: bool) -> Lobes {
+        let weights = lagrange(&self.places, self.zone.place(sine));
+        let mut share = Lobes::default();
+        for (weight, known) in weights.iter().zip(&self.shares) {
+            share = share.plus(*weight, *known);
+        }
+        let within = |share: f64, most: f64| share.max(0.0).min(most);
+        let reflected = within(share.reflected, 1.0);
+        let transmitted = within(share.transmitted, 1.0 - reflected);
+        let field = self.field(sine);
+        let mean = if interferes { field.coherent } else { field.incoherent };
+        mean.with_loss(Lobes { reflected, transmitted })
+    }
+
+    /// What interference changes of R and T of the zone, and the directions between its nodes, as
+    /// ∫ 2s ds. The zone is an arc v = v₁ cos t, along which the decay beyond the far face is
+    /// smooth.
+    pub(super) fn change(&self) -> Lobes {
+        let width = self.zone.place(self.zone.from);
+        let fringes = self.fringes().filter(|fringes| *fringes <= MOST_FRINGES);
+        let interferes = fringes.is_some();
+        let begun = fringes.map_or(1.0, |fringes| (fringes / FRINGES_OF_A_PIECE).ceil().max(1.0)) as usize;
+        let halving = Halving { begun, most: begun + MOST_HALVINGS, error: MEAN_ERROR };
+        let [reflected, transmitted] = halved(&RULES, halving, &|share: f64| {
+            let t = FRAC_PI_2 * share;
+            let place = width * t.cos();
+            let sine = (self.zone.to * self.zone.to - place * place).max(0.0).sqrt();
+            let measure = FRAC_PI_2 * width * width * (2.0 * t).sin();
+            let Lobes { reflected, transmitted } = self.lobes(sine, interferes);
+            [measure * reflected, measure * transmitted]
+        });
+        Lobes { reflected, transmitted }.less(self.composed)
+    }
+
+    /// Fringes over the zone; `None` where light that comes back is too faint for any.
+    fn fringes(&self) -> Option<f64> {
+        let weights = lagrange(&self.places, self.zone.place(self.zone.from));
+        let last = self.elements.len() - 1;
+        let mut seen = 1.0;
+        let mut fringes = 0.0;
+        for (number, element) in self.elements.iter().enumerate() {
+            let (squared, thickness_um) = element.depth();
+            let phases = [self.zone.from, self.zone.to].map(|sine| normal(squared, sine).re);
+            fringes += 2.0 * (phases[0] - phases[1]) * thickness_um * self.wavenumber / TAU;
+            if number < last {
+                let at_edge = element.at(&weights, self.zone.from, self.polarisation, self.wavenumber);
+                seen *= at_edge.transmitted.norm_sqr();
+            }
+        }
+        (seen >= FAINT).then_some(fringes)
+    }
+}
+
+impl TrappedElement {
+    /// A slab in the known directions of a zone; `None` where a direction is not known.
+    fn of_slab(
+        slab: &TrappedSlab,
+        light: TrappedLight,
+        wavenumber: f64,
+        zone: &DirectionZone,
+        is_last: bool,
+    ) -> Option<Self> {
+        let &TrappedSlab { between, index, thickness_um, mirrors, count, .. } = slab;
+        let polarisation = light.polarisation;
+        let film = EvenSlab { between, index, thickness_um, mirrors, polarisation, wavenumber };
+        let amplitude = |side: usize, direction: usize, lobe: usize| -> Option<Complex64> {
+            Some(slab.amplitudes[side].get(direction)?.get(polarisation)?[lobe])
+        };
+        let measured = |direction: usize| -> Option<Complex64> {
+            if is_last {
+                return amplitude(0, direction, 0);
+            }
+            let onward = amplitude(0, direction, 1)?;
+            let root = (onward * amplitude(1, direction, 1)?).sqrt();
+            // the root that is the amplitude, not less it
+            Some(if (root.conj() * onward).re < 0.0 { -root } else { root })
+        };
+        let mut known = Vec::new();
+        let mut turned = 0.0;
+        let mut start = Complex64::ZERO;
+        // From 0° outwards, so that logarithms do not jump between directions; what a far face
+        // mirrors of p light has a root on the way.
+        let first = if is_last { zone.first + 1 } else { 0 };
+        for direction in first..=zone.first + zone.count {
+            let sine = if direction == 0 { 0.0 } else { light.ordinates.sines[direction - 1] };
+            let value = measured(direction)?;
+            if direction <= zone.first {
+                turned = film.logarithm(value, Complex64::ZERO, sine, is_last, turned).im;
+                continue;
+            }
+            let mut own = film.even_of(value, sine, is_last, turned);
+            let from = if known.is_empty() { own.known.squared } else { start };
+            if is_last && let Some(squared) = film.turning_back(value, sine, from) {
+                own.known = KnownSlab { squared, ..KnownSlab::default() };
+            }
+            start = own.known.squared;
+            turned = own.turned;
+            own.known.solved = if is_last {
+                [value.norm_sqr(), 0.0, 0.0]
+            } else {
+                let [front, behind] = [amplitude(0, direction, 0)?, amplitude(1, direction, 0)?];
+                [front.norm_sqr(), behind.norm_sqr(), value.norm_sqr()]
+            };
+            if !is_last {
+                let even = film.solved(own.known.squared, sine);
+                let phases = film.depths(own.known.squared, sine);
+                for side in 0..2 {
+                    let difference = amplitude(side, direction, 0)? - even.reflected[side];
+                    own.known.reflected[side] = difference * phases[side].conj();
+                }
+            }
+            known.push(own.known);
+        }
+        Some(Self::Solved { film, count, is_last, known })
+    }
+
+    /// At a lateral wavenumber; `weights` are those of the known directions.
+    fn at(&self, weights: &[f64], sine: f64, polarisation: usize, wavenumber: f64) -> FilmMatrix<Complex64> {
+        let (film, count, is_last, known) = match self {
+            Self::Solved { film, count, is_last, known } => (film, *count, *is_last, known),
+            Self::Face([before, behind]) => return plane(*before, *behind, sine, polarisation),
+            Self::Even { squared, thickness_um } => {
+                let way = (Complex64::I * wavenumber * normal(*squared, sine) * thickness_um).exp();
+                return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
+            }
+        };
+        let mut here = KnownSlab::default();
+        for (weight, known) in weights.iter().zip(known) {
+            here.squared += weight * known.squared;
+            here.further += weight * known.further;
+            (0..2).for_each(|side| here.reflected[side] += weight * known.reflected[side]);
+        }
+        // In between, noise of few realisations must not let a slab pass more than in any known
+        // direction: many slabs raise that to their power.
+        let clearest = known.iter().map(|known| known.squared.im).fold(f64::INFINITY, f64::min);
+        here.squared.im = here.squared.im.max(clearest.max(0.0));
+        let most = known.iter().map(|known| known.further.re).fold(f64::NEG_INFINITY, f64::max);
+        here.further.re = here.further.re.min(most);
+        if film.mirrors == Mirrors::Nowhere {
+            let once = film.phase(here.squared, sine) + here.further;
+            return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: (once * count).exp() };
+        }
+        let even = film.within(here.squared, sine);
+        if is_last {
+            let reflected = [even.reflected[0] * here.further.exp(), Complex64::ZERO];
+            return FilmMatrix { reflected, transmitted: Complex64::ZERO };
+        }
+        let phases = film.depths(here.squared, sine);
+        FilmMatrix {
+            reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
+            transmitted: even.transmitted * here.further.exp(),
+        }
+    }
+
+    /// Powers in a known direction.
+    fn solved(&self, direction: usize, sine: f64, polarisation: usize, wavenumber: f64) -> FilmMatrix<f64> {
+        match self {
+            Self::Solved { film, count, known, .. } => {
+                let [front, behind, passed] = known[direction].solved;
+                if film.mirrors == Mirrors::Nowhere {
+                    return FilmMatrix { reflected: [0.0; 2], transmitted: passed.powf(*count) };
+                }
+                FilmMatrix { reflected: [front, behind], transmitted: passed }
+            }
+            plain => plain.at(&[], sine, polarisation, wavenumber).powers(),
+        }
+    }
+
+    /// Square of its real index, and its thickness, µm.
+    fn depth(&self) -> (Complex64, f64) {
+        match self {
+            Self::Solved { film, count, .. } => ((film.index * film.index).into(), film.thickness_um * count),
+            Self::Face(_) => (Complex64::ONE, 0.0),
+            Self::Even { squared, thickness_um } => (*squared, *thickness_um),
+        }
+    }
+}
+
+/// The even film of one direction, and the imaginary part of its logarithm.
+struct EvenOf {
+    known: KnownSlab,
+    turned: f64,
+}
+
+impl EvenSlab {
+    /// i k_z d of one way; `further` is N² − n².
+    fn phase(&self, further: Complex64, sine: f64) -> Complex64 {
+        let squared = self.index * self.index + further;
+        Complex64::I * self.wavenumber * normal(squared, sine) * self.thickness_um
+    }
+
+    /// The film between the half-spaces of its solve.
+    fn solved(&self, further: Complex64, sine: f64) -> FilmMatrix<Complex64> {
+        self.film(further, sine, [true; 2])
+    }
+
+    /// The film where it lies, with the faces at which its medium ends.
+    fn within(&self, further: Complex64, sine: f64) -> FilmMatrix<Complex64> {
+        let mirrors = self.mirrors;
+        let front = matches!(mirrors, Mirrors::InFront | Mirrors::OnBothSides);
+        let behind = matches!(mirrors, Mirrors::Behind | Mirrors::OnBothSides);
+        self.film(further, sine, [front, behind])
+    }
+
+    fn film(&self, further: Complex64, sine: f64, faces: [bool; 2]) -> FilmMatrix<Complex64> {
+        let [before, behind] = self.between.map(|index| Complex64::from(index * index));
+        let squared = self.index * self.index + further;
+        let transmitted = self.phase(further, sine).exp();
+        let mut film = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
+        if faces[0] {
+            film = plane(before, squared, sine, self.polarisation).then(film);
+        }
+        if faces[1] {
+            film = film.then(plane(squared, behind, sine, self.polarisation));
+        }
+        film
+    }
+
+    /// Phases of both ways to the depth at which the wave is mirrored, from either side.
+    fn depths(&self, further: Complex64, sine: f64) -> [Complex64; 2] {
+        let once = self.phase(further, sine).im;
+        let depth = self.mirrors.depth();
+        [depth, 1.0 - depth].map(|part| Complex64::from_polar(1.0, 2.0 * part * once))
+    }
+
+    /// Logarithm of what the amplitude has beyond that of the plain medium's way, and beyond what
+    /// the faces of a film do: t, or r of light that is turned back. `near` is the imaginary part
+    /// of the logarithm in the direction before.
+    fn logarithm(
+        &self,
+        measured: Complex64,
+        further: Complex64,
+        sine: f64,
+        is_last: bool,
+        near: f64,
+    ) -> Complex64 {
+        let ways = if is_last { 2.0 } else { 1.0 };
+        let faces = self.amplitude(further, sine, is_last) / (self.phase(further, sine) * ways).exp();
+        let plain = (self.phase(Complex64::ZERO, sine) * ways).exp();
+        let mut log = logarithm(measured / (faces * plain));
+        log.im -= TAU * ((log.im - near) / TAU).round();
+        log
+    }
+
+    /// The amplitude that tells N, of a film between the half-spaces of its solve.
+    fn amplitude(&self, further: Complex64, sine: f64, is_last: bool) -> Complex64 {
+        let film = self.solved(further, sine);
+        if is_last { film.reflected[0] } else { film.transmitted }
+    }
+
+    /// The index N with which an even film has this amplitude.
+    fn even_of(&self, measured: Complex64, sine: f64, is_last: bool, near: f64) -> EvenOf {
+        let ways = if is_last { 2.0 } else { 1.0 };
+        let plain = self.phase(Complex64::ZERO, sine);
+        let real = Complex64::I * self.wavenumber * self.thickness_um;
+        let first = self.logarithm(measured, Complex64::ZERO, sine, is_last, near);
+        let mut log = first;
+        let mut squared = Complex64::ZERO;
+        for _ in 0..ROUNDS {
+            let normal = (plain + log / ways) / real;
+            squared = normal * normal + sine * sine - self.index * self.index;
+            if !squared.is_finite() || squared.norm() >= FURTHEST {
+                break;
+            }
+            log = self.logarithm(measured, squared, sine, is_last, log.im);
+        }
+        if squared.is_finite() && squared.norm() < FURTHEST {
+            let left = logarithm(measured / self.amplitude(squared, sine, is_last));
+            if left.norm() < left_over(first) {
+                return EvenOf {
+                    known: KnownSlab { squared, further: left, ..KnownSlab::default() },
+                    turned: log.im,
+                };
+            }
+        }
+        let known = KnownSlab { further: first, ..KnownSlab::default() };
+        EvenOf { known, turned: first.im }
+    }
+
+    /// N² − n² of a slab that turns the light back, by Newton's method from that of the direction
+    /// before: where it absorbs much, the step in front of it mirrors as much as the far face, and
+    /// N does not follow from the way alone. `None` if it does not settle.
+    fn turning_back(&self, measured: Complex64, sine: f64, start: Complex64) -> Option<Complex64> {
+        let miss = |squared: Complex64| logarithm(self.amplitude(squared, sine, true) / measured);
+        let mut squared = start;
+        for _ in 0..ROUNDS {
+            let here = miss(squared);
+            let slope = (miss(squared + STEP) - here) / STEP;
+            squared -= here / slope;
+            if !squared.is_finite() || squared.norm() >= FURTHEST {
+                return None;
+            }
+        }
+        (miss(squared).norm() < SETTLED).then_some(squared)
+    }
+}
+
+/// What may be left over of a logarithm: less than there was.
+fn left_over(first: Complex64) -> f64 {
+    0.1 * first.norm() + FAINT
+}
+
+/// n cos θ in a medium of this squared index: going on, or decaying.
+fn normal(squared: Complex64, sine: f64) -> Complex64 {
+    let root = (squared - sine * sine).sqrt();
+    // of a medium that amplifies, as noise may have it, the one that goes on
+    if root.im < 0.0 && root.re < -root.im { -root } else { root }
+}
+
+/// A plane face between media of these squared indices, of s light (and of the scalar wave) or of p
+/// light (1), whose amplitude is that of the magnetic field.
+fn plane(before: Complex64, behind: Complex64, sine: f64, polarisation: usize) -> FilmMatrix<Complex64> {
+    let admittance = |squared: Complex64| {
+        if polarisation == 0 { normal(squared, sine) } else { normal(squared, sine) / squared }
+    };
+    let a = admittance(before);
+    let b = admittance(behind);
+    let reflected = if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO };
+    FilmMatrix { reflected: [reflected, -reflected], transmitted: (1.0 - reflected * reflected).sqrt() }
+}
+
+#[cfg(test)]
+#[path = "trapped_tests.rs"]
+mod tests;
