@@ -1,6 +1,6 @@
 //! Stacks that are lists of plates, as a user runs them.
 
-use super::run_support::{results, study, succeed, value};
+use super::run_support::{results, results_of, study, succeed, value};
 use std::path::Path;
 
 /// A clear varnish, an ink that is solved as a whole, and a white in slabs, which has several thicknesses.
@@ -248,5 +248,67 @@ fn what_plates_cannot_hold_is_refused() {
         let done = super::run_support::run(&file, &scratch.path().join("out"), &[]);
         let said = String::from_utf8_lossy(&done.stderr).into_owned();
         assert!(!done.status.success() && said.contains(field), "{field}: {said}");
+    }
+}
+
+/// Three layers on paper in contact, the middle one of a low index, and the first one alone.
+const OVER_LOW_INDEX: &str = r#"
+title = "Over a low index"
+[stack]
+period_um = 0.8
+index_out = 1.5
+composed = { slab_um = 0.5 }
+[[layer]]
+name = "coat"
+thickness_um = 0.8
+binder.index = { n = 1.5, k = 0.02 }
+[[layer]]
+name = "low"
+thickness_um = 0.6
+binder.index = 1.3
+[[layer]]
+name = "ink"
+thickness_um = 0.4
+binder.index = 1.5
+[[layer.pigment]]
+name = "grains"
+diameter_nm = 150
+volume_fraction = 0.1
+index = 1.52
+[paper]
+coupling = "optical_contact"
+albedo = 0.85
+[light]
+wavelengths_nm = [500, 600]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 24
+"#;
+
+/// A layer alone does not know what lay behind it: a coat on paper of its own index is the film on this paper, whatever lay
+/// between them. *Planted*: joints of the index behind them, which mirror light from the paper where that is lower.
+#[test]
+fn a_layer_alone_forgets_its_neighbours() {
+    let scratch = tempfile::tempdir().unwrap();
+    let stack = results_of(scratch.path(), OVER_LOW_INDEX);
+    let film = "[layer]\nthickness_um = 0.8\nbinder.index = { n = 1.5, k = 0.02 }\nindex_out = 1.5\n\
+                [paper]\ncoupling = \"optical_contact\"\nalbedo = 0.85\n[light]\nwavelengths_nm = [500, 600]\n";
+    let other = scratch.path().join("film");
+    std::fs::create_dir(&other).unwrap();
+    let film = results_of(&other, film);
+    let rows = stack["left_out"].as_array().expect("rows").iter();
+    let alone: Vec<_> = rows.filter(|row| row["layer"] == "coat").collect();
+    let prints = film["spectra"].as_array().expect("spectra").iter();
+    let prints: Vec<_> = prints.filter(|row| row["polar_deg"].as_f64() == Some(0.0)).collect();
+    assert_eq!((alone.len(), prints.len()), (2, 2));
+    for (row, print) in alone.iter().zip(prints) {
+        for light in ["lit_at_45", "natural_light"] {
+            let (own, truth) = (value(row, &format!("{light}_alone")), value(print, light));
+            // three directions in each zone; a joint of 1.3 leaves a quarter of the light
+            assert!((own - truth).abs() < 6e-3, "{light}: {own} and {truth}");
+        }
     }
 }
