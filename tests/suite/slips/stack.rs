@@ -36,7 +36,7 @@ pub const OF_STACKS: &[Slip] = &[
     slip(
         "[stack]\n",
         "[layer]\nthickness_um = 1\n[stack]\n",
-        ["line 4", "[layer] beside [[layer]]", "one of the two", "double brackets"],
+        ["line 6", "[layer] beside [[layer]]", "one of the two", "double brackets"],
     ),
     slip(
         "[stack]\n",
