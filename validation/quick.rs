@@ -37,6 +37,9 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
         let because = claim.because;
         return Err(format!("{statement}\nbecause: {because}\n{}\n  {broken}", claim.file).into());
     }
+    if let Some(plot) = findings.plots.iter().find(|plot| plot.is_empty()) {
+        return Err(format!("the chart \"{}\" has nothing to show", plot.title).into());
+    }
     // A report that cannot draw its plots would only fail at night.
     findings.plots.iter().try_for_each(|plot| plot.svg().map(drop)).map_err(Failed::from)
 }

@@ -137,8 +137,10 @@ def _translated(case: Any) -> Any:
 def _solved(case: Union[Mapping[str, Any], Path], accuracy: Optional[float], wave: Optional[str], flags: Mapping[str, Any]) -> Any:
     """One answer, or those of a list of directions."""
     arguments: List[object] = [] if accuracy is None else ["--accuracy", accuracy]
+    if wave is not None and wave not in _WAVES:
+        raise InputError(f"wave: found {wave!r}; allowed: {', '.join(_WAVES)}\n  help: scalar is the default; unpolarised is the mean of s and p")
     if wave is not None:
-        arguments += ["--wave", _WAVES.get(wave, wave)]
+        arguments += ["--wave", _WAVES[wave]]
     for name, value in flags.items():
         if value is None or value is False:
             continue

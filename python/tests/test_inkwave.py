@@ -385,6 +385,8 @@ class Mistakes(InFolder):
         # words of the call are judged before the program is: with what is near
         self.refused("realizations.*did you mean realisations", lambda: iw.run(INK, "x", realizations=4))
         self.refused("indx.*did you mean index", lambda: iw.solve(wavelength_nm=550, thickness_um=0.3, indx=1.5))
+        self.refused("wave: found 'q'; allowed: scalar, vector, s, p, unpolarised", lambda: iw.solve({**CASE}, wave="q"))
+        self.refused("wavelength_nm: found 0.55; allowed: from 100", lambda: iw.solve(wavelength_nm=0.55, thickness_um=0.3, binder=1.5))
 
     def test_words_and_options_are_those_of_the_program(self):
         said = self.refused("unknown key", lambda: iw.run({"layr": {}}, "x"))
@@ -513,6 +515,10 @@ def _read(path):
 
 class Comparisons(InFolder):
     CASE = {"wavelength": 0.5, "H": 0.3, "eta_binder": 1.5 + 0.05j}
+
+    def test_a_film_alone_is_compared_as_the_readme_says(self):
+        table = iw.compare({"wavelength": 0.5, "H": 0.3, "eta_binder": 1.5}, against=film)
+        self.assertIn("film", [str(name) for name in table["strategy"]])
 
     def test_a_function_of_ones_own_is_a_row(self):
         table = iw.compare(self.CASE, "compared", against={"good": film, "wrong": film_of_powers}, strategies=["krylov"], schemes=["cubic"])

@@ -78,7 +78,8 @@ impl Comparison {
             folder.write("residuals.csv", &self.residuals()?)?;
         }
         let mut figures = Vec::new();
-        for (name, plot) in self.plots() {
+        let (plots, left_out) = self.plots();
+        for (name, plot) in plots {
             let svg = plot.svg()?;
             folder.write(&name, svg.as_bytes())?;
             figures.push(context!(name, title => plot.title, data => svg_data(&svg)));
@@ -86,7 +87,7 @@ impl Comparison {
         let file = shell_word(&self.file.to_string_lossy());
         let out = shell_word(&folder.path().to_string_lossy());
         let command = format!("inkwave compare {file} --output {out}");
-        let all = context!(figures, command, ..self.context());
+        let all = context!(figures, left_out, command, ..self.context());
         let mut templates = templates()?;
         templates.add_filter("line", |words: String| markdown(&words));
         templates.add_template("lead", include_str!("comparison.lead"))?;

@@ -13,14 +13,15 @@ const LEAST_SECONDS: f64 = 1e-3;
 type MeanVariant = (Option<Scheme>, bool);
 
 impl Comparison {
-    /// File names and plots; none without a curve.
-    pub(super) fn plots(&self) -> Vec<(String, Chart)> {
+    /// File names and plots that have something to show, and the titles of those that have nothing.
+    pub(super) fn plots(&self) -> (Vec<(String, Chart)>, Vec<String>) {
         let plots = match self.has_cases() {
             true if !self.cases.is_empty() => self.of_named_cases(),
             true => self.applications(),
             false => self.of_one_case(),
         };
-        plots.into_iter().filter(|(_, plot)| !plot.curves.is_empty()).collect()
+        let (empty, shown): (Vec<_>, Vec<_>) = plots.into_iter().partition(|(_, plot)| plot.is_empty());
+        (shown, empty.into_iter().map(|(_, plot)| plot.title).collect())
     }
 
     /// Applications against the period, one plot for each pigment; lines are broken where a

@@ -51,6 +51,14 @@ const MARGIN: f64 = 0.04;
 /// Margin of a logarithmic axis, as a factor.
 const MARGIN_FACTOR: f64 = 1.25;
 
+/// What stands in place of axes without anything to show.
+const NOTHING: &str = "Nothing to show: no value that these axes can hold.";
+
+/// Half the error bar of a point; none where it is not a finite number.
+fn half_bar(p: &[f64; 3]) -> f64 {
+    if p[2].is_finite() { p[2] } else { 0.0 }
+}
+
 type Axes<'a, B> = ChartContext<'a, B, Cartesian2d<Scale, Scale>>;
 
 /// Colour and marker of a curve.
@@ -85,8 +93,10 @@ impl Chart {
 
     /// The chart as SVG text.
     ///
+    /// Without anything to show ([`Chart::is_empty`]) it says so in place of its axes.
+    ///
     /// # Errors
-    /// Nothing to show, or a failure of the drawing library.
+    /// A failure of the drawing library.
     pub fn svg(&self) -> DrawResult<String> {
         svg_of(self.leaf().size(), |area| self.paint(area))
     }
@@ -102,6 +112,11 @@ impl Chart {
         Ok(bitmap)
     }
 
+    /// Whether no curve has a point that can be shown: a finite one, on logarithmic axes above 0.
+    pub fn is_empty(&self) -> bool {
+        !self.curves.iter().flat_map(|curve| &curve.points).any(|p| self.shown(p))
+    }
+
     /// Curves that have a name, with their positions.
     fn named(&self) -> impl Iterator<Item = (usize, &Curve)> {
         self.curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty())
@@ -115,12 +130,16 @@ impl Chart {
         root.fill(&WHITE).map_err(failed)?;
         let leaf = self.leaf();
         let (area, names) = leaf.split(root)?;
+        if self.is_empty() {
+            let words = Text::new(NOTHING, (KEY, KEY), (FONT, WORDS).into_font());
+            return area.draw(&words).map_err(failed);
+        }
         let mut axes = ChartBuilder::on(&area)
             .margin(8)
             .margin_right(20)
             .x_label_area_size(48)
             .y_label_area_size(72)
-            .build_cartesian_2d(self.scale(0)?, self.scale(1)?)
+            .build_cartesian_2d(self.scale(0), self.scale(1))
             .map_err(failed)?;
         axes.configure_mesh()
             .x_desc(&self.x_label)
@@ -137,12 +156,12 @@ impl Chart {
         entries.try_for_each(|(row, (k, curve))| name(&names, leaf.place(row), curve, Pen::of(k, curve)))
     }
 
-    fn scale(&self, axis: usize) -> DrawResult<Scale> {
-        let range = self.range(axis)?;
+    fn scale(&self, axis: usize) -> Scale {
+        let range = self.range(axis);
         let log = self.log[axis];
         let placed = if axis == 0 { self.along(&range) } else { None };
         let ticks = placed.unwrap_or_else(|| ticks::round_ticks(&range, axis, log));
-        Ok(Scale::new(log, range, ticks))
+        Scale::new(log, range, ticks)
     }
 
     /// Ticks along x with their labels beside round numbers: the given ones as far as they are
@@ -160,24 +179,23 @@ impl Chart {
         (0..2).all(|axis| p[axis].is_finite() && (!self.log[axis] || p[axis] > 0.0))
     }
 
-    fn range(&self, axis: usize) -> DrawResult<Range<f64>> {
+    /// Range of an axis of a chart that is not empty.
+    fn range(&self, axis: usize) -> Range<f64> {
         if let Some([low, high]) = self.y_range.filter(|_| axis == 1) {
-            return Ok(low..high);
+            return low..high;
         }
         let points = || self.curves.iter().flat_map(|c| &c.points).filter(|p| self.shown(p));
-        let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { p[2] } else { 0.0 };
+        let bar = |p: &[f64; 3]| if axis == 1 && !self.log[1] { half_bar(p) } else { 0.0 };
         let low = points().map(|p| p[axis] - bar(p)).fold(f64::INFINITY, f64::min);
         let high = points().map(|p| p[axis] + bar(p)).fold(f64::NEG_INFINITY, f64::max);
-        if low > high {
-            return Err(failed(format!("the chart \"{}\" has nothing to show", self.title)));
-        }
         if self.log[axis] {
-            return Ok(ticks::wide(low / MARGIN_FACTOR, high * MARGIN_FACTOR));
+            return ticks::wide(low / MARGIN_FACTOR, high * MARGIN_FACTOR);
         }
         let grounded = axis == 1 && self.from_zero && low >= 0.0;
         let low = if grounded { 0.0 } else { low };
         let margin = MARGIN * if high > low { high - low } else { high.abs().max(1.0) };
-        Ok(if grounded { 0.0 } else { low - margin }..high + margin)
+        let below = if grounded { 0.0 } else { margin };
+        low - below..high + margin
     }
 
     /// Axis coordinates of a point.
@@ -187,7 +205,7 @@ impl Chart {
 
     /// Ends of the error bar; the point itself where the lower end has no logarithm.
     fn ends(&self, p: &[f64; 3]) -> [(f64, f64); 2] {
-        let half = if self.log[1] && p[1] <= p[2] { 0.0 } else { p[2] };
+        let half = if self.log[1] && p[1] <= p[2] { 0.0 } else { half_bar(p) };
         [self.at(p[0], p[1] - half), self.at(p[0], p[1] + half)]
     }
 
@@ -209,7 +227,7 @@ impl Chart {
                 self.line(axes, &part, dashes(curve), pen.colour.stroke_width(2))?;
             }
         }
-        let bars = shown.iter().filter(|p| p[2] > 0.0).map(|p| self.ends(p));
+        let bars = shown.iter().filter(|p| half_bar(p) > 0.0).map(|p| self.ends(p));
         let bars = bars.map(|ends| PathElement::new(ends, pen.colour.stroke_width(1)));
         axes.draw_series(bars).map_err(failed)?;
         let markers = shown.iter().step_by(every).map(|p| {

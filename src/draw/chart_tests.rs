@@ -92,10 +92,17 @@ fn charts_have_axes_units_curves_and_error_bars() {
 }
 
 #[test]
-fn a_chart_without_points_is_refused_and_a_flat_one_is_not() {
+fn a_chart_without_points_says_so_and_a_flat_one_is_drawn() {
     let of = |y: f64| Chart::linear("x", "", "", vec![Curve::new("", Style::Data, [(1.0, y)])]);
     for empty in [Chart::default(), of(f64::NAN), Chart { log: [false, true], ..of(0.0) }] {
-        assert!(empty.svg().unwrap_err().to_string().contains("nothing to show"));
+        assert!(empty.is_empty());
+        assert!(empty.svg().unwrap().contains("Nothing to show"));
+    }
+    // an error bar that is not known, or has no end, is none
+    for bar in [f64::NAN, f64::INFINITY] {
+        let curve = Curve::with_bars("", Style::Data, [[1.0, 2.0, bar]]);
+        let svg = Chart::linear("x", "", "", vec![curve]).svg().unwrap();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
     assert!(of(0.0).svg().is_ok() && Chart { from_zero: true, ..of(0.0) }.svg().is_ok());
 }

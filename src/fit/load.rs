@@ -273,9 +273,18 @@ impl FitReading<'_> {
                 1 => said + ", a dissolved pigment",
                 count => format!("{said}, {count} pigments"),
             };
-            let packed = packed.iter().map(|pigment| pigment.full_name()).collect::<Vec<_>>().join(", ");
-            let allowed = format!("the name of one of the base's pigments with grains: {packed}");
-            self.faults.add("fit.pigment", said, allowed, "name the pigment whose index is unknown");
+            let names = packed.iter().map(|pigment| pigment.full_name()).collect::<Vec<_>>().join(", ");
+            let (allowed, remedy) = match packed.len() {
+                0 => (
+                    "a pigment with grains, of which the base has none".to_owned(),
+                    "give the base's pigment a diameter_nm in nm; the index of a dissolved one is no unknown of a fit",
+                ),
+                _ => (
+                    format!("the name of one of the base's pigments with grains: {names}"),
+                    "name the pigment whose index is unknown",
+                ),
+            };
+            self.faults.add("fit.pigment", said, allowed, remedy);
         }
         let [layer, in_file] =
             found.first().map_or([None, Some(0)], |found| [found.layer, Some(found.number)]);

@@ -35,6 +35,12 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
     std::fs::write(folder.path().join("dark.csv"), "wavelength_nm,reflectance\n400,0.8\n700,2.9\n").unwrap();
     std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
     std::fs::write(folder.path().join("below.csv"), "wavelength_nm,weight\n400,1\n700,-0.5\n").unwrap();
+    for (name, constant) in [("negative_square.yml", "-2"), ("small_n.yml", "0.0001")] {
+        let record = format!(
+            "DATA:\n  - type: formula 3\n    wavelength_range: 0.3 0.9\n    coefficients: {constant} 0 0\n"
+        );
+        std::fs::write(folder.path().join(name), record).unwrap();
+    }
     let mut missed = Vec::new();
     let of_layers = INK.iter().chain(LIGHT).chain(NUMBER).map(|slip| (TINY, slip));
     for (good, Slip { from, to, says }) in of_layers.chain(OF_STACKS.iter().map(|slip| (STACK, slip))) {
@@ -151,6 +157,10 @@ fn wide_gaps_between_rows_are_told_once() {
     let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
     let message = plain(&done.stderr);
     assert!(done.status.success(), "{message}");
+    let measured = text.replace("n = 1.4", "kramers_kronig = { n_nm = 550, n = 1.5 }");
+    let done = run(&study(folder.path(), &measured), &folder.path().join("out"), &["--plan"]);
+    let said = plain(&done.stderr);
+    assert!(said.contains("two.csv: κ is 0.200 at 700 nm, where the table ends"), "{said}");
     for file in ["two.csv: no row between 400 and 700 nm", "print.csv: no row between 400 and 700 nm"] {
         assert_eq!(message.matches(file).count(), 1, "{message}");
     }

@@ -69,6 +69,28 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     }
 }
 
+/// A film without grains is solved in no step, whose residual of 0 no logarithmic axis shows: the chart is left out, with a word.
+#[test]
+fn a_film_alone_is_compared_without_the_chart_of_its_residuals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let film = r#"{ "wavelength": 0.5, "layers_from_z0": [{ "thickness": 0.3, "eta": [1.5, 0] }] }"#;
+    std::fs::write(folder.path().join("film.json"), film).expect("written");
+    let file =
+        written(folder.path(), "film.toml", "case = \"film.json\"\nstrategies = [\"krylov\", \"direct\"]\n");
+    let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
+    write(&comparison, folder.path());
+    let out = folder.path().join("out");
+    for name in ["README.md", "comparison.html"] {
+        let page = std::fs::read_to_string(out.join(name)).expect("a page");
+        assert!(
+            page.contains("Left out, as there is nothing to show: Residual on the finest grid"),
+            "{name}: {page}"
+        );
+    }
+    assert!(!out.join("residuals.svg").exists() && out.join("comparison.csv").exists());
+    assert!(!out.join("PARTIAL").exists());
+}
+
 /// One comparison as two machines would have made it, the second of them twice as fast. *Planted*: seconds instead of transforms.
 #[test]
 fn folders_of_several_machines_are_merged() {

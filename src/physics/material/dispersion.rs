@@ -94,6 +94,11 @@ impl Dispersion {
         widest(parts.filter_map(|part| widest_gap_nm(&part.rows_nm(), range_nm)))
     }
 
+    /// Whether n is a formula's, which is transparent matter's.
+    pub fn has_formula(&self) -> bool {
+        matches!(self.n, Some(DataSource::Formula { .. }))
+    }
+
     /// The record with a constant real part.
     pub fn with_n(self, n: f64) -> Self {
         let range_um = self.range_nm().map(|nm| 1e-3 * nm);

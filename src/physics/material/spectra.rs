@@ -7,7 +7,7 @@ mod table;
 
 pub use beside_kappa::{BesideKappa, Dilution};
 pub use error::SpectrumError;
-pub use table::{ErrorAxis, RowError, Sample, Table};
+pub use table::{CutBand, ErrorAxis, RowError, Sample, Table};
 
 use super::columns::widest_gap_nm;
 #[cfg(feature = "serde")]
@@ -301,6 +301,11 @@ impl Spectrum {
                 widest_gap_nm(&rows, range_nm).or_else(|| table.gap_in_relation_nm())
             }
         }
+    }
+
+    /// The ends at which a table of κ may cut an absorption band on which n depends.
+    pub fn cut_bands(&self) -> Vec<CutBand> {
+        if let Self::Tabulated(table) = self { table.cut_bands() } else { Vec::new() }
     }
 
     /// Display name for messages and tables; synthetic spectra are marked as such.

@@ -3,7 +3,7 @@
 use super::case_inputs::{CaseInputs, IndexInput, MOST_DIRECTIONS, WAVELENGTHS};
 use super::fault::{Allowed, Faults};
 use super::forms::Pair;
-use super::limits::{ABOVE_ZERO, ABOVE_ZERO_NM, LIGHT_UM, NOT_NEGATIVE, POLAR_DEG};
+use super::limits::{ABOVE_ZERO, LIGHT_NM, LIGHT_UM, NOT_NEGATIVE, POLAR_DEG};
 use crate::numerics::allowed::shown;
 use crate::numerics::vector::norm;
 use crate::wave::Body;
@@ -80,7 +80,12 @@ fn wavelength(inputs: &CaseInputs, faults: &mut Faults) {
         faults.number("wavelength_um", um, ABOVE_ZERO, IN_UM);
     }
     if let Some(nm) = inputs.wavelength_nm {
-        faults.number("wavelength_nm", nm, ABOVE_ZERO_NM, "give it in nm");
+        let any = "wavelength_um takes any wavelength in µm";
+        let remedy = match nm {
+            _ if LIGHT_UM.holds(nm) => format!("if you meant µm, write wavelength = {}; {any}", shown(nm)),
+            _ => format!("give it in nm; {any}"),
+        };
+        faults.number("wavelength_nm", nm, LIGHT_NM, &remedy);
     }
 }
 

@@ -23,14 +23,14 @@ use thiserror::Error;
 #[serde(deny_unknown_fields)]
 #[schemars(transform = one_wavelength)]
 pub struct CaseInputs {
-    /// Vacuum wavelength, µm: from 0.1 to 20. `wavelength_um` takes any, `wavelength_nm` one in nm.
+    /// Vacuum wavelength, µm: from 0.1 to 20. `wavelength_um` takes any, `wavelength_nm` one from 100 to 20000 nm.
     #[schemars(transform = limits::LIGHT_UM.mark(), example = 0.55)]
     pub wavelength: Option<f64>,
     /// Vacuum wavelength, µm, of any size; instead of `wavelength`.
     #[schemars(transform = limits::ABOVE_ZERO.mark())]
     pub wavelength_um: Option<f64>,
     /// Vacuum wavelength, nm; instead of `wavelength`.
-    #[schemars(transform = limits::ABOVE_ZERO_NM.mark())]
+    #[schemars(transform = limits::LIGHT_NM.mark())]
     pub wavelength_nm: Option<f64>,
     /// Polar angle from the normal, degrees.
     #[serde(default)]

@@ -6,6 +6,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::HashSet;
 use std::fmt;
+use std::ops::Range;
 
 /// A value of a TOML or JSON document.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,6 +115,9 @@ fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
     let message = error.message().trim();
     let span = error.span();
     let found = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
+    if message == "duplicate key" && !found.is_empty() {
+        return twice(text, found, span);
+    }
     if !is_too_large(found) {
         let remedy = "correct the TOML here; https://toml.io shows its syntax";
         return SyntaxFault { message: message.to_owned(), remedy, span };
@@ -124,6 +128,19 @@ fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
     };
     let message = format!("found {found}; allowed: whole numbers of at most 9223372036854775807 (64 bits)");
     SyntaxFault { message, remedy: "take a smaller number, or write it with a point or a power of ten", span }
+}
+
+/// A key that is written twice, or a table beside a list of tables.
+fn twice(text: &str, name: &str, span: Option<Range<usize>>) -> SyntaxFault {
+    let begins = |header: String| text.lines().any(|line| line.trim_start().starts_with(&header));
+    if begins(format!("[{name}]")) && begins(format!("[[{name}]]")) {
+        let message = format!("[{name}] beside [[{name}]]; allowed: one of the two");
+        let remedy =
+            "keep the one in single brackets where there is one table, or write all in double brackets";
+        return SyntaxFault { message, remedy, span };
+    }
+    let message = format!("duplicate key: {name:?} {TWICE}");
+    SyntaxFault { message, remedy: "keep one of the two", span }
 }
 
 /// Digits of a number that a message quotes.

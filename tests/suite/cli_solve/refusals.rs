@@ -221,3 +221,16 @@ fn a_diverging_series_says_what_to_use_instead() {
         &["born diverges", "krylov"],
     );
 }
+
+/// A wavelength in µm under the key in nm, as studies refuse it.
+#[test]
+fn micrometres_under_the_key_in_nm_are_refused() {
+    for (nm, words) in [
+        (0.55, ["wavelength_nm: found 0.55", "from 100 to 20000 nm", "write wavelength = 0.55"]),
+        (99.0, ["wavelength_nm: found 99", "from 100 to 20000 nm", "wavelength_um takes any"]),
+        (3e4, ["wavelength_nm: found 30000", "from 100 to 20000 nm", "wavelength_um takes any"]),
+    ] {
+        let film = json!({ "wavelength_nm": nm, "layers_from_z0": [{ "thickness": 0.3, "eta": [1.5, 0] }] });
+        refuses_text("case.json", &film.to_string(), &[], &words);
+    }
+}

@@ -337,6 +337,16 @@ pub const INK: &[Slip] = &[
     ),
     slip(
         K,
+        "index = { yaml = \"negative_square.yml\" }",
+        ["pigment[0].index", "a square of n below 0 at 400 nm", "n from 0.1 to 10", "a metal needs a table"],
+    ),
+    slip(
+        K,
+        "index = { yaml = \"small_n.yml\" }",
+        ["pigment[0].index", "n = 0.01 at 400 nm", "n from 0.1 to 10", "number and coefficients"],
+    ),
+    slip(
+        K,
         "index = { yaml = \"kappa.yml\", n = 1.5, kramers_kronig = { n_infinity = 1.65 } }",
         ["pigment[0].index", "n and kramers_kronig", "either of them", "keep n"],
     ),

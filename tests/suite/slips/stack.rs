@@ -31,7 +31,17 @@ pub const OF_STACKS: &[Slip] = &[
     slip(
         "thickness_um = 0.4",
         "thickness_um = [0.4, 0.6]",
-        ["layer[1].thickness_um", "a list", "one thickness", "give one thickness"],
+        ["layer[1].thickness_um", "a list", "one thickness", "add [stack.composed], or give one thickness"],
+    ),
+    slip(
+        "[stack]\n",
+        "[layer]\nthickness_um = 1\n[stack]\n",
+        ["line 6", "[layer] beside [[layer]]", "one of the two", "double brackets"],
+    ),
+    slip(
+        "[stack]\n",
+        "[run]\nseed = 3\n[stack]\n",
+        ["duplicate key", "\"run\" occurs twice", "keep one of the two", ""],
     ),
     slip(
         "thickness_um = 0.4",

@@ -2,7 +2,7 @@
 
 use super::error::SpectrumError;
 use crate::material::columns::{widest, widest_gap_nm};
-use crate::material::kramers_kronig::{self, KnownIndex};
+use crate::material::kramers_kronig::{self, End, KnownIndex};
 use crate::material::usable::Unusable;
 use num_complex::Complex64;
 
@@ -12,6 +12,21 @@ pub(super) const LARGEST: f64 = 10.0;
 const ABSORBS: f64 = 1e-3;
 /// Smallest n of a table that is moved by its error.
 pub(super) const LEAST_N: f64 = 0.01;
+
+/// Errors of n at a cut end of a table that are worth a remark: twice what the ultraviolet beyond
+/// tables leaves open.
+const SAID_N_ERROR: f64 = 0.03;
+
+/// An end of a table of κ that may cut an absorption band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutBand {
+    /// Wavelength of the end, nm.
+    pub wavelength_nm: f64,
+    /// κ there.
+    pub kappa: f64,
+    /// Standard error of n there.
+    pub n_error: f64,
+}
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +156,27 @@ impl Table {
         });
         // only n by the relation of Kramers and Kronig comes with changes of all rows
         if self.changes.is_empty() { None } else { widest(gaps) }
+    }
+
+    /// The ends of the table at which κ may be the flank of a band beyond it, where n at all
+    /// wavelengths depends on it: wavelength nm, κ there, and the standard error of n there.
+    pub(super) fn cut_bands(&self) -> Vec<CutBand> {
+        // only n by the relation of Kramers and Kronig comes with changes of all rows
+        let (Some(first), Some(last)) = (self.samples.first(), self.samples.last()) else {
+            return Vec::new();
+        };
+        if self.changes.is_empty() {
+            return Vec::new();
+        }
+        let rows: Vec<[f64; 2]> = self.samples.iter().map(|s| [1e-3 * s.wavelength_nm, s.kappa]).collect();
+        let at = |sample: &Sample, row: usize| CutBand {
+            wavelength_nm: sample.wavelength_nm,
+            kappa: sample.kappa,
+            n_error: self.changes.iter().map(|change| change[row][0].powi(2)).sum::<f64>().sqrt(),
+        };
+        let ends = [(End::Short, at(first, 0)), (End::Long, at(last, rows.len() - 1))];
+        let cut = ends.into_iter().filter(|(end, _)| kramers_kronig::may_be_cut(&rows, *end));
+        cut.map(|(_, band)| band).filter(|band| band.n_error > SAID_N_ERROR).collect()
     }
 
     /// Linear interpolation between the rows, n and κ separately.

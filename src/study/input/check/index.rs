@@ -144,7 +144,7 @@ fn tabulated(
     faults.0.extend(faulty.or_else(|| outside(field, &spectrum, wavelengths_nm)));
     let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
     let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
-    faults.0.extend(unsound(field, &index, wavelengths_nm));
+    faults.0.extend(unsound(field, &spectrum, &index, wavelengths_nm));
     // wavelengths that are not allowed are reported with the light
     if faults.0.len() > before || index.len() < wavelengths_nm.len() {
         return IndexSpectrum::vacuum(tables);

@@ -148,6 +148,7 @@ const COMMON: [&str; 6] = ["cell", "period_um", "index_in", "index_out", "mixing
 /// An error of a single layer with the names that its fields have in a stack.
 fn of_layer(fault: Fault, i: usize) -> Fault {
     let common = |text: String| {
+        let text = text.replace("[layer.composed]", "[stack.composed]");
         COMMON.iter().fold(text, |text, key| text.replace(&format!("layer.{key}"), &format!("stack.{key}")))
     };
     let field = common(fault.field);

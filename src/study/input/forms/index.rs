@@ -49,7 +49,7 @@ fn ray<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Box<IndexWri
 
 /// n by the relation of Kramers and Kronig from the κ of the file: what is known of n, either at
 /// one wavelength or far to the red. Absorption beyond the file (one pole in the ultraviolet, tails
-/// at both ends) is guessed, and its error enters every error bar.
+/// at both ends or bands that they cut) is guessed, and its error enters every error bar.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "KramersKronig")]
 #[serde(deny_unknown_fields)]

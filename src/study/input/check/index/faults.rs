@@ -1,7 +1,7 @@
 //! What can be wrong with an index: names and files that are not found, wavelengths without a
 //! value, values that no medium has.
 
-use crate::input::Fault;
+use crate::input::{Fault, limits};
 use crate::material::named::{MATERIALS, NamedMaterial};
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
@@ -75,13 +75,33 @@ pub(super) fn no_rays(field: &str, name: &str, error: &SpectrumError) -> Fault {
     }
 }
 
-/// Refuses indices that no passive medium has: the formulas of records may have poles.
-pub(super) fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
-    let is_sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
+/// Refuses indices that no passive medium has: the formulas of records may have poles, or a square
+/// of n below 0.
+pub(super) fn unsound(
+    field: &str,
+    spectrum: &Spectrum,
+    index: &[Complex64],
+    wavelengths_nm: &[f64],
+) -> Option<Fault> {
+    let has_formula = matches!(spectrum, Spectrum::Recorded(record) if record.has_formula());
+    let is_sound = |eta: &Complex64| {
+        let in_range = if has_formula { limits::INDEX.holds(eta.re) } else { eta.re > 0.0 };
+        in_range && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART
+    };
     let i = index.iter().position(|eta| !is_sound(eta))?;
     let n = shown(index[i].re);
     let k = shown(index[i].im);
-    let found = format!("n = {n}, k = {k} at {} nm", wavelengths_nm[i]);
+    let nm = wavelengths_nm[i];
+    if has_formula && index[i].im >= 0.0 {
+        let found = match index[i].re {
+            n if n.is_nan() => format!("a square of n below 0 at {nm} nm by the record's formula"),
+            _ => format!("n = {n} at {nm} nm by the record's formula"),
+        };
+        let remedy = "correct the formula's number and coefficients, or choose wavelengths away from its poles; \
+                      a metal needs a table of n and k";
+        return Some(Fault::new(field, found, format!("n {}", limits::INDEX), remedy));
+    }
+    let found = format!("n = {n}, k = {k} at {nm} nm");
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
     Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
 }

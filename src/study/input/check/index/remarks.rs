@@ -3,7 +3,7 @@
 use crate::input::study::Study;
 use crate::material::columns::widest_gap_nm;
 use crate::material::named::NamedMaterial;
-use crate::material::spectra::Spectrum;
+use crate::material::spectra::{CutBand, Spectrum};
 use std::collections::BTreeSet;
 
 /// One remark for every file with a wide gap within the study's wavelengths, for every seam of
@@ -21,7 +21,9 @@ pub(in crate::input::check) fn bridged(study: &Study) -> BTreeSet<String> {
         let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
         Some(gap_in_words(&measured.source, widest_gap_nm(&rows, [from, to])?))
     });
-    gaps.chain(gap_measured).chain(listed).collect()
+    let cut =
+        spectra.iter().flat_map(|s| s.cut_bands().into_iter().map(|band| cut_in_words(&s.name(), band)));
+    gaps.chain(gap_measured).chain(listed).chain(cut).collect()
 }
 
 /// What is to be known of a listed material: seams between its records, and that its name changed.
@@ -41,6 +43,14 @@ fn of_listed(spectrum: &Spectrum, [from, to]: [f64; 2]) -> Vec<String> {
         said.push(format!("{called} is listed as {:?} ({})", material.name, material.what));
     }
     said
+}
+
+/// What κ at an end of a table leaves open of n.
+fn cut_in_words(file: &str, CutBand { wavelength_nm, kappa, n_error }: CutBand) -> String {
+    format!(
+        "{file}: κ is {kappa:.3} at {wavelength_nm} nm, where the table ends, and may be the flank of a band beyond: \
+         n by Kramers–Kronig is known to ± {n_error:.3} there, better away from it; measure κ further until it is small"
+    )
 }
 
 fn gap_in_words(file: &str, [from, to]: [f64; 2]) -> String {
