@@ -236,7 +236,7 @@ fn seen_through(r: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
     ((r + gamma) * inverse, (1.0 + r) * inverse)
 }
 
-/// The same between admittances `a` and `b`.
+/// Reflection at a face between admittances `a` and `b`, as [`seen_through`] gives it.
 fn interface(a: Complex64, b: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
     seen_through(face(a, b), gamma)
 }
