@@ -34,9 +34,8 @@ const FRINGES_OF_A_PIECE: f64 = 4.0;
 const MOST_HALVINGS: usize = 48;
 /// Rounds of the search for N: what faces do to the phase is a tenth of what the way does, or less.
 const ROUNDS: usize = 12;
-/// Step of Newton's differences, and the logarithm at which it has settled.
-const STEP: f64 = 1e-6;
-const SETTLED: f64 = 1e-9;
+/// Amplitude that a far face mirrors much with.
+const MUCH: f64 = 0.4;
 /// Largest |N² − n²| that an even film is compared with; beyond it, N is n.
 const FURTHEST: f64 = 1.0;
 
@@ -221,13 +220,13 @@ impl TrappedZone {
         let sines = &light.ordinates.sines;
         let wavenumber = TAU / light.wavelength_um;
         let last = parts.len().checked_sub(1)?;
-        let element = |(number, part): (usize, &TrappedPart)| {
+        let element = |(number, part): (usize, &TrappedPart), before: Option<&TrappedElement>| {
             let propagates = |index: f64| index > zone.to - NARROWEST;
             match part {
                 TrappedPart::Solved(slab) => {
                     let media = [slab.between[0], slab.index, slab.between[1]];
                     let inside = if number == last { &media[..2] } else { &media[..] };
-                    let own = || TrappedElement::of_slab(slab, light, wavenumber, &zone, number == last);
+                    let own = || TrappedElement::of_slab(slab, light, &zone, number == last, before);
                     inside.iter().all(|index| propagates(*index)).then(own)?
                 }
                 TrappedPart::Face(media) => {
@@ -241,7 +240,11 @@ impl TrappedZone {
                 }
             }
         };
-        let elements = parts.iter().enumerate().map(element).collect::<Option<Vec<_>>>()?;
+        let mut elements = Vec::new();
+        for part in parts.iter().enumerate() {
+            let next = element(part, elements.last())?;
+            elements.push(next);
+        }
         let places = sines[nodes.clone()].iter().map(|sine| zone.place(*sine)).collect();
         let weights = &light.ordinates.weights[nodes.clone()];
         let whole = Lobes::default();
@@ -362,12 +365,14 @@ impl TrappedElement {
     fn of_slab(
         slab: &TrappedSlab,
         light: TrappedLight,
-        wavenumber: f64,
         zone: &DirectionZone,
         is_last: bool,
+        before: Option<&Self>,
     ) -> Option<Self> {
         let &TrappedSlab { between, index, thickness_um, mirrors, count, .. } = slab;
         let polarisation = light.polarisation;
+        let wavenumber = TAU / light.wavelength_um;
+        let neighbours = before.filter(|_| is_last).and_then(|before| before.alike(index));
         let film = EvenSlab { between, index, thickness_um, mirrors, polarisation, wavenumber };
         let amplitude = |side: usize, direction: usize, lobe: usize| -> Option<Complex64> {
             Some(slab.amplitudes[side].get(direction)?.get(polarisation)?[lobe])
@@ -381,9 +386,14 @@ impl TrappedElement {
             // the root that is the amplitude, not less it
             Some(if (root.conj() * onward).re < 0.0 { -root } else { root })
         };
+        // What an even film of that index mirrors: where that is much, what the slab differs by is a
+        // factor, whose phase costs no light; else a difference, which has no root to divide by.
+        let is_factor = neighbours.is_some_and(|known| {
+            let mirrored = |k: usize| film.solved(known[k].squared, light.ordinates.sines[zone.first + k]);
+            (0..zone.count).all(|k| mirrored(k).reflected[0].norm() > MUCH)
+        });
         let mut known = Vec::new();
         let mut turned = 0.0;
-        let mut start = Complex64::ZERO;
         // From 0° outwards, so that logarithms do not jump between directions; what a far face
         // mirrors of p light has a root on the way.
         let first = if is_last { zone.first + 1 } else { 0 };
@@ -394,12 +404,10 @@ impl TrappedElement {
                 turned = film.logarithm(value, Complex64::ZERO, sine, is_last, turned).im;
                 continue;
             }
-            let mut own = film.even_of(value, sine, is_last, turned);
-            let from = if known.is_empty() { own.known.squared } else { start };
-            if is_last && let Some(squared) = film.turning_back(value, sine, from) {
-                own.known = KnownSlab { squared, ..KnownSlab::default() };
-            }
-            start = own.known.squared;
+            let mut own = match neighbours {
+                Some(known) => EvenOf::neighbour(&known[direction - zone.first - 1]),
+                None => film.even_of(value, sine, is_last, turned),
+            };
             turned = own.turned;
             own.known.solved = if is_last {
                 [value.norm_sqr(), 0.0, 0.0]
@@ -407,17 +415,31 @@ impl TrappedElement {
                 let [front, behind] = [amplitude(0, direction, 0)?, amplitude(1, direction, 0)?];
                 [front.norm_sqr(), behind.norm_sqr(), value.norm_sqr()]
             };
-            if !is_last {
-                let even = film.solved(own.known.squared, sine);
-                let phases = film.depths(own.known.squared, sine);
-                for side in 0..2 {
-                    let difference = amplitude(side, direction, 0)? - even.reflected[side];
-                    own.known.reflected[side] = difference * phases[side].conj();
-                }
+            let sides = match neighbours {
+                _ if !is_last => 0..2,
+                Some(_) if !is_factor => 0..1,
+                _ => 0..0,
+            };
+            let even = film.solved(own.known.squared, sine);
+            if is_factor {
+                own.known.further = logarithm(value / even.reflected[0]);
+            }
+            let phases = film.depths(own.known.squared, sine);
+            for side in sides {
+                let difference = amplitude(side, direction, 0)? - even.reflected[side];
+                own.known.reflected[side] = difference * phases[side].conj();
             }
             known.push(own.known);
         }
         Some(Self::Solved { film, count, is_last, known })
+    }
+
+    /// What is known of a slab of this index that light passes.
+    fn alike(&self, index: f64) -> Option<&[KnownSlab]> {
+        match self {
+            Self::Solved { film, known, is_last: false, .. } if film.index == index => Some(known),
+            _ => None,
+        }
     }
 
     /// At a lateral wavenumber; `weights` are those of the known directions.
@@ -447,11 +469,13 @@ impl TrappedElement {
             return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: (once * count).exp() };
         }
         let even = film.within(here.squared, sine);
-        if is_last {
-            let reflected = [even.reflected[0] * here.further.exp(), Complex64::ZERO];
-            return FilmMatrix { reflected, transmitted: Complex64::ZERO };
-        }
         let phases = film.depths(here.squared, sine);
+        if is_last {
+            let turned = even.reflected[0] * here.further.exp() + here.reflected[0] * phases[0];
+            // noise between the directions must not make more light than there is
+            let turned = turned / turned.norm().max(1.0);
+            return FilmMatrix { reflected: [turned, Complex64::ZERO], transmitted: Complex64::ZERO };
+        }
         FilmMatrix {
             reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
             transmitted: even.transmitted * here.further.exp(),
@@ -486,6 +510,15 @@ impl TrappedElement {
 struct EvenOf {
     known: KnownSlab,
     turned: f64,
+}
+
+impl EvenOf {
+    /// That of the slab in front, whose t tells N. Of the last slab r alone is known, in which the
+    /// step to its half-space may cancel what the far face mirrors.
+    fn neighbour(before: &KnownSlab) -> Self {
+        let known = KnownSlab { squared: before.squared, ..KnownSlab::default() };
+        Self { known, turned: 0.0 }
+    }
 }
 
 impl EvenSlab {
@@ -581,23 +614,6 @@ impl EvenSlab {
         }
         let known = KnownSlab { further: first, ..KnownSlab::default() };
         EvenOf { known, turned: first.im }
-    }
-
-    /// N² − n² of a slab that turns the light back, by Newton's method from that of the direction
-    /// before: where it absorbs much, the step in front of it mirrors as much as the far face, and
-    /// N does not follow from the way alone. `None` if it does not settle.
-    fn turning_back(&self, measured: Complex64, sine: f64, start: Complex64) -> Option<Complex64> {
-        let miss = |squared: Complex64| logarithm(self.amplitude(squared, sine, true) / measured);
-        let mut squared = start;
-        for _ in 0..ROUNDS {
-            let here = miss(squared);
-            let slope = (miss(squared + STEP) - here) / STEP;
-            squared -= here / slope;
-            if !squared.is_finite() || squared.norm() >= FURTHEST {
-                return None;
-            }
-        }
-        (miss(squared).norm() < SETTLED).then_some(squared)
     }
 }
 
