@@ -29,7 +29,7 @@ const ABSORBANCES: [&str; 9] = [
     "extinktion",
     "optical density",
 ];
-/// Words that name one where they stand last: others may be names of samples, such as a density step.
+/// Words that name one where they stand last; a sample may be called density step 3.
 const LAST: [&str; 4] = ["density", "densities", "od", "densität"];
 /// Words that name emitted or received light, without a white.
 const LIGHTS: [&str; 7] =
