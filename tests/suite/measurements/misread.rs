@@ -178,7 +178,7 @@ fn all_samples_of_a_file_are_looked_at() {
     assert!(spectrum(&wrong, &requested("black", Some(MeasuredUnit::Percent), None)).is_ok());
 }
 
-/// CxF follows the rule of tables, and a norm that its values contradict is told.
+/// CxF follows the rule of tables, and for a norm that its values contradict there is a remark.
 #[test]
 fn units_of_cxf_and_declared_norms() {
     let of = |values: [&str; 3]| {
