@@ -4,6 +4,7 @@
 mod choice;
 mod damage;
 mod formats;
+mod misread;
 mod readers;
 mod units;
 

@@ -6,7 +6,7 @@ mod encoding;
 mod separator;
 mod wavelength_column;
 
-pub use encoding::read_text;
+pub use encoding::{read_text, with_line_feeds};
 pub use separator::{Separator, number};
 pub use wavelength_column::wavelength_factor;
 

@@ -4,9 +4,11 @@
 
 mod cgats;
 mod choose;
+mod columns;
 mod cxf;
 mod factors;
 mod fields;
+mod quantity;
 mod sample;
 mod table;
 mod words;
@@ -18,7 +20,7 @@ use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::Viewing;
-use crate::material::text_table::read_text;
+use crate::material::text_table::{read_text, with_line_feeds};
 use sample::{MeasuredFile, MeasuredSample, SampleContent, Written};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,10 +71,12 @@ impl MeasuredCondition {
 
 /// A sample in a file with several.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged, expecting = "the name of a sample, or its amounts of ink such as [0, 0, 100, 0]")]
+#[serde(untagged, expecting = "the name or number of a sample, or its amounts of ink such as [0, 0, 100, 0]")]
 pub enum Patch {
     /// Its name, number or place on the chart as the file has it.
     Name(String),
+    /// A number that is its name.
+    Number(u32),
     /// Its amounts of ink in the file's order, percent: C, M, Y, K; or other device values.
     Inks(Vec<f64>),
 }
@@ -81,6 +85,7 @@ impl fmt::Display for Patch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Name(name) => f.write_str(name),
+            Self::Number(number) => write!(f, "{number}"),
             Self::Inks(inks) => write!(f, "{inks:?}"),
         }
     }
@@ -183,7 +188,8 @@ impl MeasuredReading {
     /// # Errors
     /// See [`Self::new`].
     pub fn parse(text: &str, name: &str, request: &MeasuredRequest) -> Result<Self, String> {
-        let (file, what) = samples(text.trim_start_matches('\u{feff}'), name)?;
+        let text = with_line_feeds(text.trim_start_matches('\u{feff}'));
+        let (file, what) = samples(&text, name)?;
         if file.samples.is_empty() {
             return Err(format!("it is {what} without spectra, L*, a*, b* or X, Y, Z of samples"));
         }
@@ -204,6 +210,9 @@ impl MeasuredReading {
                 let white = factors::white(&file, chosen.sample, request)?;
                 remarks.extend(white.remark.map(|remark| format!("{source}: {remark}")));
                 let called = if chosen.samples > 1 { format!("{sample_name:?}, ") } else { String::new() };
+                if chosen.samples > 1 {
+                    factors::all_possible(&file, white.value, request)?;
+                }
                 let rows = factors::rows(cells, white.value, request.used_nm);
                 let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
                 MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.samples })
@@ -221,6 +230,9 @@ impl MeasuredReading {
 fn samples(text: &str, name: &str) -> Result<(MeasuredFile, &'static str), String> {
     if text.trim_start().starts_with('<') {
         return Ok((cxf::read(text)?, "a CxF file"));
+    }
+    if let Some(reason) = table::jcamp_refusal(text) {
+        return Err(reason);
     }
     if cgats::is_cgats(text) {
         return Ok((cgats::read(text)?, "a CGATS file"));

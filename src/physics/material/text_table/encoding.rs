@@ -1,6 +1,7 @@
 //! The text of a file, whatever its encoding.
 
 use crate::numerics::files::{self, FileError};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Text of a file in UTF-8, in UTF-16 with a byte order mark, or else in Latin-1.
@@ -10,7 +11,18 @@ use std::path::Path;
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let bytes = files::read_bytes(path, files::TABLE);
     decode(&bytes.map_err(|error| FileError::new(path.display(), error))?)
+        .map(|text| with_line_feeds(&text).into_owned())
         .map_err(|reason| FileError::new(path.display(), reason))
+}
+
+/// The text with a line feed at the end of each line, where some end by a carriage return alone.
+pub fn with_line_feeds(text: &str) -> Cow<'_, str> {
+    let mut rest = text.bytes().zip(text.bytes().skip(1).chain([0]));
+    if rest.any(|pair| pair.0 == b'\r' && pair.1 != b'\n') {
+        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
 fn decode(bytes: &[u8]) -> Result<String, &'static str> {
@@ -36,6 +48,12 @@ fn decode(bytes: &[u8]) -> Result<String, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_that_end_by_carriage_returns_alone_are_lines() {
+        assert_eq!(with_line_feeds("a\rb\r\nc\r"), "a\nb\nc\n");
+        assert_eq!(with_line_feeds("a\r\nb"), "a\r\nb");
+    }
 
     #[test]
     fn utf_16_and_latin_1_are_read_and_other_bytes_are_no_text() {

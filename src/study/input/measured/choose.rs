@@ -69,6 +69,9 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
         let (found, wanted) = (samples[other].kind.name(), request.kind.name());
         let remedy = match request.kind {
             MeasuredKind::Transmittance => "name its column transmittance, if that is what it is",
+            _ if matches!(samples[other].kind, MeasuredKind::Absorbance | MeasuredKind::KubelkaMunk) => {
+                "give reflectance factors against wavelength, as instruments write them too"
+            }
             _ => "measure it in reflection",
         };
         return Err(format!("{called} is {found}, not {wanted}: {remedy}"));
@@ -142,6 +145,7 @@ fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String
         };
         (0..samples.len()).filter(|&i| near(&samples[i])).collect()
     };
+    let name = patch.to_string();
     let requested = match patch {
         Patch::Inks(requested) => {
             let found = with_device(requested);
@@ -156,7 +160,7 @@ fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String
                 None => format!("no sample with the device values {requested:?}: the file states none"),
             });
         }
-        Patch::Name(name) => name.trim(),
+        Patch::Name(_) | Patch::Number(_) => name.trim(),
     };
     let ranks = samples.iter().map(|sample| sample.names.len()).max().unwrap_or(0);
     for rank in 0..ranks {

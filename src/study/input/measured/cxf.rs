@@ -3,7 +3,7 @@
 //! prefix.
 
 use super::MeasuredCondition;
-use super::factors::LARGEST_FACTOR;
+use super::quantity::other_quantity;
 use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, StatedViewing, Written};
 use super::words::{self, MeasuredGeometry, MeasuredKind};
 use crate::material::text_table::number;
@@ -76,25 +76,16 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
             _ => specification.kind,
         };
         let (names, device) = object(node);
+        let of_object = own_norm(node).or(specification.white);
         file.samples.push(MeasuredSample {
             names,
             device,
             condition: specification.condition,
             geometry: specification.geometry.clone(),
             kind,
-            white: specification.white,
+            white: of_object,
             content,
         });
-    }
-    // values of the format are factors; larger ones than it allows are percentages
-    let is_factor = |sample: &MeasuredSample| match &sample.content {
-        SampleContent::Spectrum(rows) => {
-            rows.iter().all(|row| row.value.value().is_none_or(|value| value <= LARGEST_FACTOR))
-        }
-        SampleContent::Lab(..) | SampleContent::Xyz(..) => true,
-    };
-    if file.samples.iter().all(is_factor) {
-        file.samples.iter_mut().for_each(|sample| sample.white = sample.white.or(Some(1.0)));
     }
     Ok(file)
 }
@@ -104,9 +95,16 @@ fn named<'a>(node: Node<'a, 'a>, name: &'a str) -> impl Iterator<Item = Node<'a,
     node.descendants().filter(move |node| node.is_element() && node.tag_name().name() == name)
 }
 
-/// Text of the first element below a node with a local name.
-fn text_of<'a>(node: Node<'a, 'a>, name: &'a str) -> Option<&'a str> {
-    named(node, name).next()?.text().map(str::trim)
+/// All text of a node: comments and character data part it, and it is one all the same.
+fn full_text(node: Node) -> String {
+    let parts: Vec<&str> = node.descendants().filter(Node::is_text).filter_map(|node| node.text()).collect();
+    parts.concat().trim().to_owned()
+}
+
+/// Text of the first element below a node with a local name, if there is any.
+fn text_of(node: Node, name: &str) -> Option<String> {
+    let element = node.descendants().find(|node| node.is_element() && node.tag_name().name() == name)?;
+    Some(full_text(element)).filter(|text| !text.is_empty())
 }
 
 /// Places of the line ends of a text.
@@ -135,8 +133,15 @@ fn object(node: Node) -> (Vec<String>, Vec<f64>) {
         .find(|node| ["ColorCMYK", "ColorCMYKPlusN", "ColorRGB"].contains(&node.tag_name().name()));
     let parts = device.into_iter().flat_map(|node| node.children().filter(Node::is_element));
     let values = parts.filter(|node| node.tag_name().name() != "MaxRange");
-    let values = values.filter_map(|node| number(node.text().unwrap_or_default(), true)).collect();
+    let values = values.filter_map(|node| number(&full_text(node), true)).collect();
     (names.to_vec(), values)
+}
+
+/// White of the object that an element belongs to, if a tag of it says so.
+fn own_norm(node: Node) -> Option<f64> {
+    let object = node.ancestors().find(|node| node.tag_name().name() == "Object")?;
+    let tag = named(object, "Tag").find(|tag| tag.attribute("Name") == Some("SpectralNorm"))?;
+    number(tag.attribute("Value")?, true).filter(|white| white.is_finite() && *white > 0.0)
 }
 
 /// How the values under a specification were measured.
@@ -153,17 +158,23 @@ struct Specification {
 
 impl Specification {
     fn new(node: Node) -> Self {
-        let kind = text_of(node, "MeasurementType").and_then(MeasuredKind::of).unwrap_or_default();
+        let of_type = text_of(node, "MeasurementType").and_then(|text| MeasuredKind::of(&text));
         let light = text_of(node, "DeviceIllumination").unwrap_or_default();
-        let mut condition = words::conditions(light).first().copied();
-        let is_true = |text: &str| ["true", "1"].contains(&text);
+        let mut condition = words::conditions(&light).first().copied();
+        let is_true = |text: String| ["true", "1"].contains(&text.as_str());
         if condition.is_none() && text_of(node, "DevicePolarization").is_some_and(is_true) {
             condition = Some(MeasuredCondition::M3);
         }
         let unit = ["Unit", "Units", "Scale", "ValueRange"].iter().find_map(|name| text_of(node, name));
-        let white = unit.and_then(|unit| {
-            (unit.contains('%') || unit.to_lowercase().contains("percent")).then_some(100.0)
+        let kind = unit.as_deref().and_then(other_quantity).or(of_type).unwrap_or_default();
+        let norm = text_of(node, "SpectralNorm").and_then(|text| number(&text, true));
+        let stated = unit.and_then(|unit| {
+            let lower = unit.to_lowercase();
+            let is_factor = lower.contains("factor") || number(&lower, true) == Some(1.0);
+            let is_percent = lower.contains('%') || lower.contains("percent");
+            is_percent.then_some(100.0).or(is_factor.then_some(1.0))
         });
+        let white = norm.filter(|white| white.is_finite() && *white > 0.0).or(stated);
         let viewing = named(node, "TristimulusSpec").next().map(viewing).unwrap_or_default();
         Self { kind, condition, geometry: geometry(node), range: range(node), white, viewing }
     }
@@ -190,7 +201,7 @@ fn geometry(node: Node) -> Option<MeasuredGeometry> {
     let kind = chosen.tag_name().name();
     match kind {
         "SingleAngle" => {
-            let angle = |name| text_of(chosen, name).and_then(|text| number(text, true));
+            let angle = |name| text_of(chosen, name).and_then(|text| number(&text, true));
             match (angle("IlluminationAngle"), angle("MeasurementAngle")) {
                 (Some(a), Some(b)) if (a.abs() == 45.0 && b == 0.0) || (a == 0.0 && b.abs() == 45.0) => {
                     Some(MeasuredGeometry::LitAt45)
@@ -232,15 +243,14 @@ fn says_unknown(said: &str) -> bool {
 /// Illuminant and observer of a specification.
 fn viewing(node: Node) -> StatedViewing {
     let illuminant = named(node, "Illuminant").next().and_then(|light| {
-        let name = light.text().unwrap_or_default().trim();
+        let name = full_text(light);
         let is_custom = name.eq_ignore_ascii_case("custom") || name.is_empty();
-        let stated = if is_custom { light.attribute("Name") } else { Some(name) };
-        stated.map(str::to_owned)
+        if is_custom { light.attribute("Name").map(str::to_owned) } else { Some(name) }
     });
     let observer = named(node, "Observer").next().and_then(|eye| {
-        let name = eye.text().unwrap_or_default().trim();
+        let name = full_text(eye);
         let custom = || Some(format!("{}, {} degree", eye.attribute("Name")?, eye.attribute("Angle")?));
-        let stated = if name.starts_with("Custom") { custom() } else { Some(name.to_owned()) };
+        let stated = if name.starts_with("Custom") { custom() } else { Some(name) };
         stated.as_deref().and_then(words::stated_observer)
     });
     StatedViewing { illuminants: illuminant.into_iter().collect(), observers: observer.into_iter().collect() }
@@ -256,21 +266,21 @@ fn spectrum(node: Node, specification: &Specification, line: usize) -> Vec<Spect
         nm: start.zip(step).map(|(start, step)| start + step * i as f64),
         value: Written { text: word.to_owned(), line },
     };
-    node.text().unwrap_or_default().split_whitespace().enumerate().map(cell).collect()
+    full_text(node).split_whitespace().enumerate().map(cell).collect()
 }
 
 /// Values with a wavelength each.
 fn points(node: Node, line: usize) -> Vec<SpectralCell> {
     let cell = |point: Node| SpectralCell {
         nm: point.attribute("WL").and_then(|text| number(text, true)),
-        value: Written { text: point.text().unwrap_or_default().trim().to_owned(), line },
+        value: Written { text: full_text(point), line },
     };
     named(node, "SpectralPoint").map(cell).collect()
 }
 
 /// The values of a colour by the names of its coordinates.
 fn three_values(node: Node, names: [&str; 3], line: usize) -> Option<[Written; 3]> {
-    let part = |name| text_of(node, name).map(|text| Written { text: text.to_owned(), line });
+    let part = |name| text_of(node, name).map(|text| Written { text, line });
     Some([part(names[0])?, part(names[1])?, part(names[2])?])
 }
 

@@ -2,13 +2,15 @@
 //! checked rows.
 
 use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell};
-use super::words::MeasuredKind;
 use super::{MeasuredRequest, MeasuredUnit};
 use crate::material::columns::micrometres;
 
 /// Larger values are percentages; values between 1 and this are ambiguous, so that the unit is
 /// required.
 pub const LARGEST_FACTOR: f64 = 3.0;
+/// Largest value of any sample, white at 1: beyond it the file as a whole is misread, or is no
+/// reflectance.
+const LARGEST_OF_ALL: f64 = 4.0;
 /// Noise of an instrument at black; smaller values are not reflectance factors.
 pub const LEAST_FACTOR: f64 = -0.1;
 
@@ -38,20 +40,11 @@ pub fn white(
             );
             return Ok(White { value, remark: Some(remark) });
         }
-        (Some(value), _) | (None, Some(value)) => return Ok(White { value, remark: None }),
+        (Some(value), _) => return Ok(White { value, remark: None }),
+        (None, Some(value)) => return Ok(White { value, remark: too_dark(file, value, request) }),
         (None, None) => {}
     }
-    let undeclared =
-        file.samples.iter().filter(|other| other.white.is_none() && other.kind == MeasuredKind::Reflectance);
-    let cells = undeclared.filter_map(|sample| match &sample.content {
-        SampleContent::Spectrum(cells) => Some(cells),
-        SampleContent::Lab(..) | SampleContent::Xyz(..) => None,
-    });
-    let [from, to] = request.used_nm;
-    let is_used = |cell: &&SpectralCell| cell.nm.is_some_and(|nm| (from..=to).contains(&nm));
-    let all: Vec<&SpectralCell> = cells.flatten().collect();
-    let used = largest_value(all.iter().copied().filter(is_used));
-    let largest = used.or_else(|| largest_value(all.iter().copied())).unwrap_or(0.0);
+    let largest = largest_of(file, None, request);
     let key = "compare.unit = \"percent\" or \"factor\"";
     if largest > LARGEST_FACTOR {
         let remark = format!(
@@ -69,6 +62,65 @@ pub fn white(
         "no unit is stated; taken as factors of a perfect white, as the file's largest value is {largest}; {key} says it"
     );
     Ok(White { value: 1.0, remark: Some(remark) })
+}
+
+/// The largest value of the spectra of reflectance that declare this white, at the wavelengths that
+/// are used, or else at all.
+fn largest_of(file: &MeasuredFile, white: Option<f64>, request: &MeasuredRequest) -> f64 {
+    let alike = |other: &&MeasuredSample| other.white == white && other.kind == request.kind;
+    let all: Vec<&SpectralCell> = file.samples.iter().filter(alike).flat_map(spectral_cells).collect();
+    let used = largest_value(all.iter().copied().filter(|cell| is_used(cell, request)));
+    used.or_else(|| largest_value(all.iter().copied())).unwrap_or(0.0)
+}
+
+/// A remark on a file that declares percentages and has values of factors alone.
+fn too_dark(file: &MeasuredFile, white: f64, request: &MeasuredRequest) -> Option<String> {
+    let largest = largest_of(file, Some(white), request);
+    (white > LARGEST_FACTOR && largest > 0.0 && largest <= 1.0).then(|| {
+        format!(
+            "the file declares {white} for a perfect white, and its largest value is {largest}: a black, or factors under a wrong \
+             declaration, which compare.unit = \"factor\" corrects"
+        )
+    })
+}
+
+/// Judges all samples of a file: one that no surface can have shows that the file is misread.
+///
+/// # Errors
+/// A sample has a value far above a perfect white at a wavelength that is used. `white` is that of
+/// samples that declare none.
+pub fn all_possible(file: &MeasuredFile, white: f64, request: &MeasuredRequest) -> Result<(), String> {
+    for sample in file.samples.iter().filter(|sample| sample.kind == request.kind) {
+        // compare.unit may correct what the samples declare
+        let white = sample.white.unwrap_or(white).max(white);
+        let cells = spectral_cells(sample).filter(|cell| is_used(cell, request));
+        let mut values = cells.filter_map(|cell| Some((cell, cell.value.value()?)));
+        if let Some((cell, value)) = values.find(|(_, value)| value / white > LARGEST_OF_ALL) {
+            let nm = cell.nm.unwrap_or_default();
+            return Err(format!(
+                "line {}: {value} at {nm} nm is not a reflectance factor; a perfect white is {white}: the file is misread or \
+                 holds another quantity; if its commas are decimal, write points, quotes around numbers, or semicolons \
+                 between cells (a first line sep=; says so)",
+                cell.value.line
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The cells of a sample's spectrum, if it has one.
+fn spectral_cells(sample: &MeasuredSample) -> impl Iterator<Item = &SpectralCell> {
+    let cells: &[SpectralCell] = match &sample.content {
+        SampleContent::Spectrum(cells) => cells,
+        SampleContent::Lab(..) | SampleContent::Xyz(..) => &[],
+    };
+    cells.iter()
+}
+
+/// Whether a wavelength is within the range that is used.
+fn is_used(cell: &SpectralCell, request: &MeasuredRequest) -> bool {
+    let [from, to] = request.used_nm;
+    cell.nm.is_some_and(|nm| (from..=to).contains(&nm))
 }
 
 /// Luminance Y of a perfect white in a file of X, Y, Z: 100 by the formats, unless the key says 1.
@@ -128,6 +180,10 @@ pub fn rows(cells: &[SpectralCell], white: f64, used_nm: [f64; 2]) -> Result<Vec
     // what lies between the rows next to the range decides on values inside it
     let first = sorted.iter().rposition(|(nm, _)| *nm <= used_nm[0]).unwrap_or(0);
     let last = sorted.iter().position(|(nm, _)| *nm >= used_nm[1]).unwrap_or(sorted.len() - 1);
+    // rows of one wavelength are used together
+    let (from, to) = (sorted[first].0, sorted[last].0);
+    let first = sorted.iter().position(|(nm, _)| *nm == from).unwrap_or(first);
+    let last = sorted.iter().rposition(|(nm, _)| *nm == to).unwrap_or(last);
     let is_used = |i: usize| (first..=last).contains(&i) || last < first;
     let mut rows: Vec<[f64; 2]> = Vec::with_capacity(sorted.len());
     for (i, (nm, cell)) in sorted.iter().enumerate() {

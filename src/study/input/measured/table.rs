@@ -1,10 +1,12 @@
 //! Tables of instruments and spreadsheets: wavelengths down the first column with a column for each
 //! sample, or wavelengths along the header with a row a sample.
 
+use super::columns;
 use super::fields::{Declared, FieldTable, band};
-use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, Written};
+use super::quantity::declared_quantity;
+use super::sample::{MeasuredFile, Written};
 use super::words::{self, MeasuredKind};
-use crate::material::text_table::{TableBlock, TextLine, TextTable, wavelength_factor};
+use crate::material::text_table::{TextLine, TextTable, wavelength_factor};
 
 /// Fewest wavelengths in a header without names.
 const FEWEST_BANDS: usize = 3;
@@ -14,9 +16,6 @@ const FEWEST_BANDS: usize = 3;
 /// # Errors
 /// No table of spectra is found, or one has a row that does not fit it.
 pub fn read(path: String, text: &str) -> Result<MeasuredFile, String> {
-    if text.lines().any(|line| line.starts_with("##") && line.contains('=')) && text.contains("##XYDATA") {
-        return Err("JCAMP-DX is not read: let the instrument's program write CSV".into());
-    }
     let table = TextTable::parse(path, text).map_err(|error| error.to_string())?;
     let mut file = MeasuredFile::default();
     if let Some(header) = header_of_rows(&table) {
@@ -28,9 +27,31 @@ pub fn read(path: String, text: &str) -> Result<MeasuredFile, String> {
         return Err(no_rows(&table));
     }
     for block in &blocks {
-        columns_of_samples(&table, block, &mut file)?;
+        columns::samples(&table, block, &mut file)?;
     }
     Ok(file)
+}
+
+/// Why a text in JCAMP-DX is not read, if it is one: its values may be packed, scaled and of any
+/// quantity.
+pub fn jcamp_refusal(text: &str) -> Option<String> {
+    let mut states = String::new();
+    let mut is_jcamp = false;
+    for line in text.lines().filter_map(|line| line.trim_start().strip_prefix("##")) {
+        let Some((label, value)) = line.split_once('=') else { continue };
+        let label: String = label.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_uppercase();
+        is_jcamp |= ["JCAMPDX", "JCAMPCS", "XYDATA", "XYPOINTS", "PEAKTABLE", "XUNITS", "YUNITS"]
+            .contains(&label.as_str());
+        if label == "YUNITS" && states.is_empty() {
+            states = format!(" (its YUNITS are {})", value.trim());
+        }
+    }
+    is_jcamp.then(|| {
+        format!(
+            "JCAMP-DX is not read{states}: let the instrument's program write reflectance as CSV, wavelengths in nm \
+             (wavelength_nm,reflectance)"
+        )
+    })
 }
 
 /// What is wrong with a table that has no row of numbers.
@@ -84,7 +105,7 @@ fn header_of_rows(table: &TextTable) -> Option<usize> {
     None
 }
 
-fn written(line: &TextLine, cell: &str) -> Written {
+pub(super) fn written(line: &TextLine, cell: &str) -> Written {
     Written { text: cell.to_owned(), line: line.line }
 }
 
@@ -104,8 +125,10 @@ fn rows_of_samples(table: &TextTable, header: usize, into: &mut MeasuredFile) {
         names[0] = "name".into();
     }
     let fields = FieldTable::new(&names);
-    let declared =
+    let mut declared =
         declared(table.lines[..header].iter().flat_map(|line| &line.cells).chain(&table.lines[header].cells));
+    let above = table.lines[..header].iter().map(|line| line.cells.join(" "));
+    declared.kind = above.filter_map(|line| declared_quantity(&line)).last().unwrap_or(declared.kind);
     for line in table.lines[header + 1..].iter().filter(|line| !line.remark) {
         let mut cells: Vec<Written> = line.cells.iter().map(|cell| written(line, cell)).collect();
         let count = cells.len();
@@ -124,151 +147,8 @@ fn names_a_sample(names: &[String]) -> bool {
     names.iter().any(|name| known.iter().any(|word| name.to_lowercase().contains(word)))
 }
 
-/// Columns that hold no reflectance; matched as whole words.
-const OTHER_COLUMNS: [&str; 31] = [
-    "lab",
-    "l",
-    "a",
-    "b",
-    "x",
-    "y",
-    "z",
-    "n",
-    "k",
-    "kappa",
-    "t",
-    "abs",
-    "absorbance",
-    "absorption",
-    "od",
-    "intensity",
-    "counts",
-    "dark",
-    "reference",
-    "sd",
-    "std",
-    "stdev",
-    "error",
-    "err",
-    "uncertainty",
-    "sigma",
-    "sem",
-    "transmission",
-    "density",
-    "time",
-    "index",
-];
-/// Words of columns that hold reflectances.
-const REFLECTANCES: [&str; 8] =
-    ["reflectance", "reflectivity", "reflection", "refl", "albedo", "r", "value", "brf"];
-
-/// What the header of a column says it holds.
-#[derive(PartialEq)]
-enum ColumnKind {
-    Reflectance,
-    Transmittance,
-    Other,
-    Name,
-}
-
-impl ColumnKind {
-    fn of(name: &str) -> Self {
-        let words = words::word_list(name);
-        let is = |all: &[&str]| words.iter().any(|word| all.contains(&word.as_str()));
-        if name.to_lowercase().contains("transmi") || words == ["t"] {
-            Self::Transmittance
-        } else if is(&["error", "err", "sd", "std", "stdev", "uncertainty", "sigma", "sem"]) {
-            // of whatever stands before it
-            Self::Other
-        } else if is(&REFLECTANCES) {
-            Self::Reflectance
-        } else if words.iter().all(|word| OTHER_COLUMNS.contains(&word.as_str())) && !words.is_empty() {
-            Self::Other
-        } else {
-            Self::Name
-        }
-    }
-}
-
-/// Takes in the columns of a block whose first column holds wavelengths.
-fn columns_of_samples(table: &TextTable, block: &TableBlock, into: &mut MeasuredFile) -> Result<(), String> {
-    let names = &block.names;
-    let width = block.rows[0].cells.len();
-    let mut place = 0;
-    let mut factor = 1.0;
-    if !names.is_empty() {
-        let Some(found) = names.iter().position(|name| wavelength_factor(name).is_some()) else {
-            return Err(format!(
-                "{}: column wavelength_nm is missing; found {}",
-                table.path,
-                names.join(", ")
-            ));
-        };
-        place = found;
-        factor = wavelength_factor(&names[found]).unwrap_or(1.0);
-    }
-    let name = |column: usize| names.get(column).map_or("", String::as_str);
-    let mut columns: Vec<usize> = (0..width).filter(|&column| column != place).collect();
-    if names.is_empty() {
-        columns.retain(|&column| !block.rows.iter().all(|row| row.cells[column].is_empty()));
-    } else {
-        let kinds: Vec<ColumnKind> = names.iter().map(|name| ColumnKind::of(name)).collect();
-        // columns that say so hold the reflectances, else those with a name of their own
-        let all = columns.clone();
-        for kind in [ColumnKind::Reflectance, ColumnKind::Name, ColumnKind::Transmittance] {
-            columns = all
-                .iter()
-                .copied()
-                .filter(|&column| kinds[column] == kind && !name(column).is_empty())
-                .collect();
-            if !columns.is_empty() {
-                break;
-            }
-        }
-        if columns.is_empty() {
-            return Err(format!("{}: column reflectance is missing; found {}", table.path, names.join(", ")));
-        }
-    }
-    let above = declared(block.preamble.iter());
-    let several = columns.len() > 1;
-    for &column in &columns {
-        let mut of_column = declared([name(column).to_owned()].iter());
-        if name(column).contains('%') || name(column).to_lowercase().contains("percent") {
-            of_column.white = Some(100.0);
-        }
-        let cell = |row: &TextLine| SpectralCell {
-            nm: table.number(&row.cells[place]).map(|value| in_nm(value, factor)),
-            value: written(row, &row.cells[column]),
-        };
-        let spectrum: Vec<SpectralCell> = block.rows.iter().map(cell).collect();
-        let percent = spectrum.iter().any(|cell| cell.value.text.ends_with('%')).then_some(100.0);
-        let title = block.preamble.last().cloned().filter(|title| !title.contains(['=', ':']));
-        let sample_name = if several { Some(name(column).to_owned()) } else { title };
-        let kind = if ColumnKind::of(name(column)) == ColumnKind::Transmittance {
-            MeasuredKind::Transmittance
-        } else {
-            above.kind
-        };
-        into.samples.push(MeasuredSample {
-            names: sample_name.into_iter().filter(|name| !name.is_empty()).collect(),
-            device: Vec::new(),
-            condition: of_column.condition.or(above.condition),
-            geometry: of_column.geometries.into_iter().chain(above.geometries.clone()).next(),
-            kind,
-            white: percent.or(of_column.white).or(above.white),
-            content: SampleContent::Spectrum(spectrum),
-        });
-    }
-    Ok(())
-}
-
-/// A wavelength in nm, without the rounding of its conversion.
-fn in_nm(value: f64, factor: f64) -> f64 {
-    if factor == 1.0 { value } else { (value * factor * 1e6).round() / 1e6 }
-}
-
 /// What lines of text declare.
-fn declared<'a>(texts: impl Iterator<Item = &'a String>) -> Declared {
+pub(super) fn declared<'a>(texts: impl Iterator<Item = &'a String>) -> Declared {
     let mut all = Declared::default();
     for text in texts {
         let lower = text.to_lowercase();

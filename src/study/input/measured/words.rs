@@ -43,8 +43,10 @@ pub enum MeasuredKind {
     Transmittance,
     /// Emitted light.
     Emission,
-    /// An absorbance or a density.
+    /// An absorbance, another logarithm, or a density.
     Absorbance,
+    /// The ratio K/S of Kubelka and Munk.
+    KubelkaMunk,
 }
 
 impl MeasuredKind {
@@ -54,7 +56,8 @@ impl MeasuredKind {
             Self::Reflectance => "reflectance",
             Self::Transmittance => "transmittance (transmissive)",
             Self::Emission => "emission",
-            Self::Absorbance => "absorbance",
+            Self::Absorbance => "an absorbance, a logarithm or a density",
+            Self::KubelkaMunk => "K/S of Kubelka and Munk",
         }
     }
 
@@ -91,7 +94,7 @@ pub fn word_list(text: &str) -> Vec<String> {
 }
 
 /// Whether a text has a phrase that no letter or digit continues.
-fn has_phrase(text: &str, phrase: &str) -> bool {
+pub fn has_phrase(text: &str, phrase: &str) -> bool {
     text.match_indices(phrase).any(|(at, _)| {
         let continues = |c: char| c.is_alphanumeric() || c == ':' || c == '/';
         let before = text[..at].chars().next_back().is_some_and(continues);

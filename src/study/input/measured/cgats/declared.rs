@@ -2,6 +2,7 @@
 
 use crate::input::measured::MeasuredCondition;
 use crate::input::measured::fields::Declared;
+use crate::input::measured::quantity::other_quantity;
 use crate::input::measured::sample::StatedViewing;
 use crate::input::measured::words::{self, MeasuredKind};
 use crate::material::text_table::number;
@@ -60,6 +61,14 @@ pub(super) fn declared(header: &[(String, String)]) -> Declared {
         {
             all.kind =
                 MeasuredKind::of(value).filter(|kind| *kind != MeasuredKind::Reflectance).unwrap_or(all.kind);
+        }
+        let says_quantity = ["UNIT", "TYPE", "QUANTITY", "MODE", "ORDINATE", "DATA", "FORMAT"]
+            .iter()
+            .any(|word| keyword.contains(word));
+        if says_quantity
+            && (keyword.contains("SPECTR") || keyword.contains("MEAS") || keyword.starts_with('Y'))
+        {
+            all.kind = other_quantity(value).unwrap_or(all.kind);
         }
         if is_about("ILLUMINA") && !keyword.contains("MEASUREMENT_SOURCE") && !lower.contains('=') {
             add(&mut viewing.illuminants, words::stated_illuminant(value).into_iter().collect());
