@@ -1,8 +1,7 @@
 //! Tables with wavelengths down a column, and a column for each sample behind it.
 
-use super::quantity::{declared_quantity, other_quantity};
-use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell};
-use super::table::{declared, written};
+use super::quantity::{declared, declared_quantity, other_quantity};
+use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, Written};
 use super::words::{self, MeasuredKind};
 use crate::material::text_table::{Separator, TableBlock, TextLine, TextTable, wavelength_factor};
 
@@ -244,8 +243,10 @@ pub fn samples(table: &TextTable, block: &TableBlock, into: &mut MeasuredFile) -
         if name(column).contains('%') || name(column).to_lowercase().contains("percent") {
             of_column.white = Some(100.0);
         }
-        let cell =
-            |row: &TextLine| SpectralCell { nm: own.nm(table, row), value: written(row, &row.cells[column]) };
+        let cell = |row: &TextLine| SpectralCell {
+            nm: own.nm(table, row),
+            value: Written::of(row, &row.cells[column]),
+        };
         // pairs of columns may be of different lengths
         let is_beyond = |row: &&TextLine| row.cells[own.place].is_empty() && row.cells[column].is_empty();
         let spectrum: Vec<SpectralCell> = block.rows.iter().filter(|row| !is_beyond(row)).map(cell).collect();

@@ -1,6 +1,7 @@
 //! Quantities of instruments that are no reflectance, by the words of columns and declarations.
 
-use super::words::{MeasuredKind, has_phrase, word_list};
+use super::fields::Declared;
+use super::words::{self, MeasuredKind, has_phrase, word_list};
 
 /// Logarithms of reflectance and other absorbances, as they are written without blanks.
 const LOGARITHMS: [&str; 12] = [
@@ -83,10 +84,38 @@ pub fn declared_quantity(line: &str) -> Option<MeasuredKind> {
             let words = word_list(line);
             let is_plain =
                 words.len() == 1 || line.contains('(') || words.first().is_some_and(|word| word == "optical");
-            let is_told = |kind: &MeasuredKind| is_plain || *kind == MeasuredKind::KubelkaMunk;
-            other_quantity(line).filter(|kind| line.trim().len() > 1 && is_told(kind))
+            let is_declared = |kind: &MeasuredKind| is_plain || *kind == MeasuredKind::KubelkaMunk;
+            other_quantity(line).filter(|kind| line.trim().len() > 1 && is_declared(kind))
         }
     }
+}
+
+/// What lines of text declare.
+pub(super) fn declared<'a>(texts: impl Iterator<Item = &'a String>) -> Declared {
+    let mut all = Declared::default();
+    for text in texts {
+        let lower = text.to_lowercase();
+        let about =
+            ["reflect", "%r", "r%", "% r", "r [%", "r (%", "r(%", "r[%", "unit", "ordinate", "albedo"];
+        if about.iter().any(|word| lower.contains(word)) || lower.trim() == "%" {
+            if lower.contains('%') || lower.contains("percent") {
+                all.white = Some(100.0);
+            } else if lower.contains("factor")
+                || lower.contains("share")
+                || lower.contains("0-1")
+                || lower.contains("0..1")
+            {
+                all.white = all.white.or(Some(1.0));
+            }
+        }
+        all.condition = all.condition.or(words::conditions(text).first().copied());
+        all.geometries.extend(words::geometries(text));
+        let measured = lower.contains("mode") || lower.contains("type") || lower.contains("ordinate");
+        if measured && let Some(kind) = MeasuredKind::of(text) {
+            all.kind = kind;
+        }
+    }
+    all
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use super::MeasuredCondition;
 use super::words::{MeasuredGeometry, MeasuredKind};
 use crate::appearance::viewing::{Summation, Viewing};
-use crate::material::text_table::number;
+use crate::material::text_table::{TextLine, number};
 
 /// A cell of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,13 @@ pub struct Written {
     pub text: String,
     /// Its line, from 1.
     pub line: usize,
+}
+
+impl Written {
+    /// A cell of a line.
+    pub(super) fn of(line: &TextLine, cell: &str) -> Self {
+        Self { text: cell.to_owned(), line: line.line }
+    }
 }
 
 impl Written {

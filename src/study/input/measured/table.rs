@@ -2,10 +2,9 @@
 //! sample, or wavelengths along the header with a row a sample.
 
 use super::columns;
-use super::fields::{Declared, FieldTable, band};
-use super::quantity::declared_quantity;
+use super::fields::{FieldTable, band};
+use super::quantity::{declared, declared_quantity};
 use super::sample::{MeasuredFile, Written};
-use super::words::{self, MeasuredKind};
 use crate::material::text_table::{TextLine, TextTable, wavelength_factor};
 
 /// Fewest wavelengths in a header without names.
@@ -105,10 +104,6 @@ fn header_of_rows(table: &TextTable) -> Option<usize> {
     None
 }
 
-pub(super) fn written(line: &TextLine, cell: &str) -> Written {
-    Written { text: cell.to_owned(), line: line.line }
-}
-
 /// Takes in the rows under a header of wavelengths.
 fn rows_of_samples(table: &TextTable, header: usize, into: &mut MeasuredFile) {
     let mut names = table.lines[header].cells.clone();
@@ -130,7 +125,7 @@ fn rows_of_samples(table: &TextTable, header: usize, into: &mut MeasuredFile) {
     let above = table.lines[..header].iter().map(|line| line.cells.join(" "));
     declared.kind = above.filter_map(|line| declared_quantity(&line)).last().unwrap_or(declared.kind);
     for line in table.lines[header + 1..].iter().filter(|line| !line.remark) {
-        let mut cells: Vec<Written> = line.cells.iter().map(|cell| written(line, cell)).collect();
+        let mut cells: Vec<Written> = line.cells.iter().map(|cell| Written::of(line, cell)).collect();
         let count = cells.len();
         if count != names.len() {
             cells.truncate(fields.names_end().min(count));
@@ -145,32 +140,4 @@ fn rows_of_samples(table: &TextTable, header: usize, into: &mut MeasuredFile) {
 fn names_a_sample(names: &[String]) -> bool {
     let known = ["name", "id", "sample", "patch", "label", "color", "colour"];
     names.iter().any(|name| known.iter().any(|word| name.to_lowercase().contains(word)))
-}
-
-/// What lines of text declare.
-pub(super) fn declared<'a>(texts: impl Iterator<Item = &'a String>) -> Declared {
-    let mut all = Declared::default();
-    for text in texts {
-        let lower = text.to_lowercase();
-        let about =
-            ["reflect", "%r", "r%", "% r", "r [%", "r (%", "r(%", "r[%", "unit", "ordinate", "albedo"];
-        if about.iter().any(|word| lower.contains(word)) || lower.trim() == "%" {
-            if lower.contains('%') || lower.contains("percent") {
-                all.white = Some(100.0);
-            } else if lower.contains("factor")
-                || lower.contains("share")
-                || lower.contains("0-1")
-                || lower.contains("0..1")
-            {
-                all.white = all.white.or(Some(1.0));
-            }
-        }
-        all.condition = all.condition.or(words::conditions(text).first().copied());
-        all.geometries.extend(words::geometries(text));
-        let measured = lower.contains("mode") || lower.contains("type") || lower.contains("ordinate");
-        if measured && let Some(kind) = MeasuredKind::of(text) {
-            all.kind = kind;
-        }
-    }
-    all
 }

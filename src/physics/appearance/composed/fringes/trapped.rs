@@ -386,8 +386,8 @@ impl TrappedElement {
             // the root that is the amplitude, not less it
             Some(if (root.conj() * onward).re < 0.0 { -root } else { root })
         };
-        // What an even film of that index mirrors: where that is much, what the slab differs by is
-        // a factor, whose phase costs no light; else a difference, which has no root to divide by.
+        // What an even film of that index mirrors. Where that is much, the slab differs from it by
+        // a factor, whose phase costs no light; else by a difference, without a root to divide by.
         let is_factor = neighbours.is_some_and(|known| {
             let mirrored = |k: usize| film.solved(known[k].squared, light.ordinates.sines[zone.first + k]);
             (0..zone.count).all(|k| mirrored(k).reflected[0].norm() > MUCH)
