@@ -199,8 +199,8 @@ fn film(index: Complex64, thickness_um: f64, exit: f64, nm: f64) -> [f64; 2] {
 fn uneven_films_are_averaged_over_their_law() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("flat.csv"), "wavelength_nm,weight\n300,1\n320,1\n").unwrap();
-    let text = "[layer]\nthickness_um = { mean = 4.0, std = 1.0 }\nbinder.index = { n = 1.5, k = 0.03 }\nindex_out = 1.4\n\
-                [paper]\ncoupling = \"optical_contact\"\nalbedo = 0\n[light]\nfrom_nm = 290\nto_nm = 330\nstep_nm = 5\n[[number]]\nname = \"T\"\nweights = { csv = \"flat.csv\" }\n\
+    let text = "[layer]\nthickness_um = { mean = 2.0, std = 0.5 }\nbinder.index = { n = 1.5, k = 0.06 }\nindex_out = 1.4\n\
+                [paper]\ncoupling = \"optical_contact\"\nalbedo = 0\n[light]\nfrom_nm = 295\nto_nm = 325\nstep_nm = 10\n[[number]]\nname = \"T\"\nweights = { csv = \"flat.csv\" }\n\
                 of = \"transmittance\"\n";
     let out = folder.path().join("out");
     succeed(&study(folder.path(), text), &out, &[]);
@@ -208,7 +208,7 @@ fn uneven_films_are_averaged_over_their_law() {
     let z = |k: usize| 3.0 * (f64::from(k as u32) - 299.5) / 300.0;
     let all: f64 = (0..600).map(|k| density(z(k))).sum();
     let at = |nm: f64| -> f64 {
-        let of = |k: usize| density(z(k)) * film(Complex64::new(1.5, 0.03), 4.0 + z(k), 1.4, nm)[1];
+        let of = |k: usize| density(z(k)) * film(Complex64::new(1.5, 0.06), 2.0 + 0.5 * z(k), 1.4, nm)[1];
         (0..600).map(of).sum::<f64>() / all
     };
     let truth: f64 = (0..200).map(|k| at(300.05 + 0.1 * f64::from(k))).sum::<f64>() / 200.0;
