@@ -44,14 +44,8 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let no_hiding = set_curve(&mut task, &slabs).err();
     let moved = moved_levels(study, solved);
     let JudgedNumbers { numbers, replicates } = with_errors(&task, [&whole, &half], moved.as_ref())?;
-    let mut requested = ThicknessRows::default();
-    for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
-        requested.add(&task, *um, layer);
-    }
-    let mut curve = ThicknessRows::default();
-    for (um, layer) in task.curve_um.iter().zip(&numbers.curve) {
-        curve.add(&task, *um, layer);
-    }
+    let requested = ThicknessRows::of(&task, &composed.thicknesses_um, &numbers.requested);
+    let curve = ThicknessRows::of(&task, &task.curve_um, &numbers.curve);
     let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
     let prints = prints(&task, &layers, &whole);
     let mut withheld = [requested.withheld, curve.withheld].concat();

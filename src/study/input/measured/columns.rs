@@ -227,7 +227,7 @@ pub fn samples(table: &TextTable, block: &TableBlock, into: &mut MeasuredFile) -
     }
     let name = |column: usize| block.names.get(column).map_or("", String::as_str);
     let above = declared(block.preamble.iter());
-    let quantity_above = block.preamble.iter().filter_map(|line| declared_quantity(line)).last();
+    let quantity_above = block.preamble.iter().rev().find_map(|line| declared_quantity(line));
     for &column in &columns {
         if let Some([first, last]) = like_wavelengths(table, block, column) {
             return Err(format!(

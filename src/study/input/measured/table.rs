@@ -123,7 +123,7 @@ fn rows_of_samples(table: &TextTable, header: usize, into: &mut MeasuredFile) {
     let mut declared =
         declared(table.lines[..header].iter().flat_map(|line| &line.cells).chain(&table.lines[header].cells));
     let above = table.lines[..header].iter().map(|line| line.cells.join(" "));
-    declared.kind = above.filter_map(|line| declared_quantity(&line)).last().unwrap_or(declared.kind);
+    declared.kind = above.rev().find_map(|line| declared_quantity(&line)).unwrap_or(declared.kind);
     for line in table.lines[header + 1..].iter().filter(|line| !line.remark) {
         let mut cells: Vec<Written> = line.cells.iter().map(|cell| Written::of(line, cell)).collect();
         let count = cells.len();

@@ -27,6 +27,15 @@ pub(super) struct ThicknessRows {
 }
 
 impl ThicknessRows {
+    /// Of layers of these thicknesses, µm.
+    pub fn of(task: &LayerTask, thicknesses_um: &[f64], layers: &[ThicknessNumbers<ErrorParts>]) -> Self {
+        let mut all = Self::default();
+        for (um, layer) in thicknesses_um.iter().zip(layers) {
+            all.add(task, *um, layer);
+        }
+        all
+    }
+
     /// Adds a layer of one thickness.
     pub fn add(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
         let row = |(&wavelength_nm, numbers): (&f64, &LayerNumbers<ErrorParts>)| ComposedRow {
