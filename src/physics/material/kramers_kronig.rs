@@ -5,7 +5,7 @@
 //! κ is linear in ω between nodes, so that the integral is a sum of logarithms. Absorption in the
 //! ultraviolet beyond the table is one pole: the constant n∞ it gives far to the red, and its slope
 //! c p. One known n, the anchor, takes the place of n∞. What a band just beyond an end of the table
-//! may add is an error of n, by κ and its slope there ([`Flank`]).
+//! may add is an error of n, by κ and its slope there.
 
 use std::f64::consts::PI;
 
@@ -21,7 +21,7 @@ const TAIL: [f64; 2] = [0.15, 0.45];
 const SLOPE: f64 = 0.05;
 /// Logarithmic slopes are taken of κ of at least this share of that at the end.
 const LEAST_SHARE: f64 = 1e-3;
-/// Longest scale of a band beyond the table, as shares of the table's range of ω and of the end's ω.
+/// Longest scale of a band beyond the table, as shares of its range of ω and of the end's ω.
 const LONGEST: [f64; 2] = [0.5, 0.4];
 /// Nodes of a band beyond the table.
 const BAND_NODES: usize = 100;
