@@ -10,7 +10,7 @@ pub const LONGEST_LIST: usize = 10_000;
 /// Vacuum wavelength of a case under the key without a unit, µm: larger ones are nm by mistake,
 /// smaller ones metres.
 pub const LIGHT_UM: Allowed = Allowed::between(0.1, 20.0, "µm");
-/// The same under the key in nm: smaller ones are µm by mistake.
+/// Wavelengths of a case under the key in nm: smaller ones are µm by mistake.
 pub const LIGHT_NM: Allowed = Allowed::between(100.0, 20_000.0, "nm");
 /// Lengths of a case that need no remark: larger ones may be nm by mistake, smaller ones metres.
 pub const USUAL_LENGTH_UM: Allowed = Allowed::between(1e-4, 20.0, "µm");
