@@ -23,7 +23,8 @@ use thiserror::Error;
 #[serde(deny_unknown_fields)]
 #[schemars(transform = one_wavelength)]
 pub struct CaseInputs {
-    /// Vacuum wavelength, µm: from 0.1 to 20. `wavelength_um` takes any, `wavelength_nm` one from 100 to 20000 nm.
+    /// Vacuum wavelength, µm: from 0.1 to 20. `wavelength_um` takes any, `wavelength_nm` one from
+    /// 100 to 20000 nm.
     #[schemars(transform = limits::LIGHT_UM.mark(), example = 0.55)]
     pub wavelength: Option<f64>,
     /// Vacuum wavelength, µm, of any size; instead of `wavelength`.
