@@ -26,7 +26,8 @@ Index = Union[float, complex, str, Mapping[str, Any]]
 Study = Union[Path, Mapping[str, Any], "Layer"]
 
 # Keys whose texts are files, relative to the file that names them; in a dictionary, to the working folder.
-_FILES = ("csv", "yaml", "spheres", "voxels", "file", "measured", "base", "study", "case", "command")
+_FILES = ("csv", "yaml", "m1_csv", "m2_csv", "donaldson_csv", "results", "spheres", "voxels", "file", "measured", "base", "study",
+          "case", "command")
 
 
 def material(name: str) -> Dict[str, str]:
@@ -140,9 +141,16 @@ def with_settings(study: Dict[str, Any], settings: Mapping[str, Any]) -> Dict[st
                              f"{', '.join(_TABLES)}\n  help: {hint}")
         if name in _SETTINGS and not isinstance(value, Mapping):
             table, key = _SETTINGS[name]
+            if isinstance(study.get(table), list):  # a stack has a list of layers, and one cell
+                if name != "period_um":
+                    raise InputError(f"{name}: found a study of several layers; allowed is a study of one: give layer=[…], or change "
+                                     f"study[{table!r}][…][{key!r}]")
+                table = "stack"
             study.setdefault(table, {})
             study[table][key] = [value] if name in ("wavelength_nm", "polar_deg") and np.ndim(value) == 0 else value
         elif isinstance(value, Mapping):
+            if isinstance(study.get(name), list):
+                raise InputError(f"{name}: found a table for a list of {len(study[name])}; allowed is a list: give {name}=[…]")
             study[name] = {**study.get(name, {}), **value}
         else:
             study[name] = value
@@ -175,7 +183,7 @@ def _indices(value: Any, key: str = "") -> Any:
         return {name: _indices(part, name) for name, part in value.items()}
     if isinstance(value, (list, tuple)):
         return [_indices(part, key) for part in value]
-    if isinstance(value, (complex, np.complexfloating)) and key == "index":
+    if isinstance(value, (complex, np.complexfloating)) and key in ("index", "ordinary", "extraordinary"):
         return index(complex(value))
     return value
 
@@ -189,6 +197,11 @@ def _absolute(value: Any, key: str = "") -> Any:
     if isinstance(value, str) and key in _FILES and os.path.exists(value):
         return os.path.abspath(value)
     return value
+
+
+def written(table: Mapping[str, Any]) -> str:
+    """The text of a file that the program reads, of a study, sweep, fit or design as a dictionary."""
+    return toml(_absolute(plain(_indices(table))))
 
 
 def toml(table: Mapping[str, Any]) -> str:
@@ -280,10 +293,10 @@ def input_file(study: Study, settings: Mapping[str, Any], name: str) -> Iterator
     if not isinstance(study, (Mapping, Layer)) and not settings:
         yield pathlib.Path(study)
         return
-    table = _absolute(plain(_indices(table_of(study, settings))))
+    text = written(table_of(study, settings))
     with tempfile.TemporaryDirectory(prefix="inkwave-") as scratch:
         path = pathlib.Path(scratch) / f"{name}.toml"
-        path.write_text(toml(table), encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         yield path
 
 

@@ -16,7 +16,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from ._files import Path
-from ._program import InputError
+from ._program import InputError, remark
 
 __all__ = ["Composed", "Library"]
 
@@ -31,6 +31,11 @@ _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
 _STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
 _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
+# Lamps of the conditions of instruments; none: that of the illuminant.
+_CONDITIONS = {None: None, "M0": "A", "M1": "D50", "M2": "D50"}
+_SCALAR_SURFACE = ("the scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: "
+                   "a clear layer of its index, {}, does not look quite like bare paper; `inkwave compose` says by how much, and plates "
+                   "solved with light.wave = \"unpolarised\" have both alike")
 _NODES, _MEAN_ERROR, _FRINGES_OF_A_PIECE, _MOST_HALVINGS, _ROUNDS, _FURTHEST, _NARROWEST = (16, 11), 1e-7, 4.0, 48, 12, 1.0, 1e-3
 
 
@@ -356,8 +361,12 @@ class Library:
         the distance of the wavelengths leaves open of colours).
         """
         listed = [compositions] if isinstance(compositions, Mapping) else list(compositions)
+        if not listed:
+            raise InputError("found no composition; allowed is one, or a list of one or more")
         jobs = [self._job(composition, number) for number, composition in enumerate(listed)]
         eyes = [self._eye(composition) for composition in listed]
+        if self._wave == "scalar" and any(job.contact and job.printed is not None for job in jobs) and self.joint_index != 1.0:
+            remark([_SCALAR_SURFACE.format(self.joint_index)])
         values = self._evaluated(jobs)
         found = self._coloured(values, np.array(eyes))
         errors = None
@@ -376,16 +385,19 @@ class Library:
     def _job(self, composition: Composition, number: int) -> _Job:
         if not isinstance(composition, Mapping) or not composition.get("layers"):
             raise InputError(f"composition {number}: found no layers; allowed is {{'layers': [{{'plate': NAME}}, …]}}")
-        unknown = set(composition) - {"layers", "paper", "dots", "illuminant", "observer", "condition"}
-        if unknown:
-            allowed = "layers, paper, dots, illuminant, observer, condition"
-            raise InputError(f"composition {number}: found {sorted(unknown)}; allowed are {allowed}")
         where = f"composition {number}: "
+        _judge_keys(composition, ("layers", "paper", "dots", "illuminant", "observer", "condition"), where)
+        if composition.get("condition") not in _CONDITIONS:
+            raise InputError(f"{where}condition: found {composition['condition']!r}; allowed are M0, M1, M2, or none for the "
+                             "illuminant's light")
+        if isinstance(composition["layers"], (str, Mapping)):
+            raise InputError(f"{where}layers: found no list; allowed is [{{'plate': NAME}}, …]")
         layers = tuple(self._layer(layer, f"{where}layers[{k}]") for k, layer in enumerate(composition["layers"]))
         paper = composition.get("paper", {})
-        unknown = set(paper) - {"albedo", "contact", "fluorescence"}
-        if unknown:
-            raise InputError(f"{where}paper: found {sorted(unknown)}; allowed are albedo, contact, fluorescence")
+        _judge_keys(paper, ("albedo", "contact", "fluorescence"), f"{where}paper.")
+        contact = paper.get("contact", False)
+        if not isinstance(contact, (bool, np.bool_)):
+            raise InputError(f"{where}paper.contact: found {contact!r}; allowed are True and False")
         albedo = self._albedo(paper.get("albedo", 0.9), self.wavelengths_nm, where)
         light = None
         if paper.get("fluorescence") is not None:
@@ -395,11 +407,16 @@ class Library:
             albedo = albedo * (1 - absorbed(self.wavelengths_nm))
             light = _Light(elastic, self._power(composition, where), _matrix(kernel, grid))
             self._judge_quanta(kernel, elastic, where)
-        return _Job(layers, albedo, bool(paper.get("contact", False)), _printed(composition, where), light, _Change())
+        return _Job(layers, albedo, bool(contact), _printed(composition, where), light, _Change())
 
     def _albedo(self, given: Any, nm: np.ndarray, where: str) -> np.ndarray:
-        albedo = np.array(given, float)
+        try:
+            albedo = np.array(given, float)
+        except (TypeError, ValueError):
+            raise InputError(f"{where}paper.albedo: found {given!r}; allowed is a number, or rows of nm and albedo") from None
         if albedo.ndim == 2:
+            if albedo.shape[1] != 2 or not (np.diff(albedo[:, 0]) > 0).all():
+                raise InputError(f"{where}paper.albedo: found {albedo.tolist()}; allowed are rows of nm and albedo, with rising nm")
             if not (albedo[0, 0] <= self.wavelengths_nm[0] and albedo[-1, 0] >= self.wavelengths_nm[-1]):
                 raise InputError(f"{where}paper.albedo: found {albedo[0, 0]} to {albedo[-1, 0]} nm; extend the table")
             albedo = np.interp(nm, albedo[:, 0], albedo[:, 1])
@@ -410,10 +427,7 @@ class Library:
     def _power(self, composition: Mapping[str, Any], where: str) -> np.ndarray:
         """Power of the light that excites, at the wavelengths of the sum."""
         condition = composition.get("condition")
-        lamps = {None: composition.get("illuminant", "D65"), "M0": "A", "M1": "D50", "M2": "D50"}
-        if condition not in lamps:
-            raise InputError(f"{where}condition: found {condition}; allowed are M0, M1, M2, or none for the illuminant's light")
-        lamp = lamps[condition]
+        lamp = {**_CONDITIONS, None: composition.get("illuminant", "D65")}[condition]
         if lamp not in self._lights:
             known = ", ".join(self._lights) or "none: gather the library again"
             raise InputError(f"{where}found no power of {lamp}, which excites; allowed are those of the library: {known}")
@@ -430,6 +444,7 @@ class Library:
 
     def _layer(self, layer: Union[str, Mapping[str, Any]], where: str) -> Tuple[int, float]:
         layer = {"plate": layer} if isinstance(layer, str) else layer
+        _judge_keys(layer, ("plate", "thickness_um", "coverage"), f"{where}.")
         if layer.get("plate") not in self._numbers:
             raise InputError(f"{where}.plate: found {layer.get('plate')!r}; allowed are {', '.join(self._numbers)}")
         number = self._numbers[layer["plate"]]
@@ -437,6 +452,8 @@ class Library:
         own = plate["thickness_um"]
         if um is None:
             return number, 2.0 if plate["slabs"] else 1.0
+        if not _is_number(um):
+            raise InputError(f"{where}.thickness_um: found {um!r}; allowed is a number, µm")
         if not plate["slabs"]:
             if abs(um - own) > 1e-6 * own:
                 raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed {own}, as which it was solved whole: "
@@ -1338,18 +1355,33 @@ def _matrix(kernel: Any, nm: np.ndarray) -> np.ndarray:
     return np.tril(_STEP_NM * kernel(nm[:, None], nm[None, :]), -1)
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def _judge_keys(table: Any, allowed: Sequence[str], where: str) -> None:
+    """Refuses what is no table, and keys that it cannot have, as `inkwave compose` does."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"{where.rstrip('. :')}: found {table!r}; allowed is a dictionary of {', '.join(allowed)}")
+    unknown = [key for key in table if key not in allowed]
+    if unknown:
+        raise InputError(f"{where}{unknown[0]}: found an unknown key; allowed are {', '.join(allowed)}")
+
+
 def _printed(composition: Mapping[str, Any], where: str) -> Optional[_Print]:
     """Kinds of area of a composition in dots."""
     dots, layers = composition.get("dots"), composition["layers"]
     inks = [(k, layer["coverage"]) for k, layer in enumerate(layers) if isinstance(layer, Mapping) and layer.get("coverage") is not None]
-    if not dots:
+    if dots is None:
         if inks:
             raise InputError(f"{where}layers[{inks[0][0]}].coverage: found one without a screen; allowed beside dots")
         return None
 
     def judge(name: str, value: Any, least: float, most: float) -> None:
-        if not isinstance(value, (int, float)) or not least <= value <= most:
+        if not _is_number(value) or not least <= value <= most:
             raise InputError(f"{where}{name}: found {value}; allowed {least} to {most}")
+
+    _judge_keys(dots, ("coverage", "ruling_per_cm", "spread_um"), f"{where}dots.")
 
     judge("dots.ruling_per_cm", dots.get("ruling_per_cm"), 1.0, 1000.0)
     judge("dots.spread_um", dots.get("spread_um"), 0.0, 1e4)

@@ -7,7 +7,7 @@ import pathlib
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, List, Mapping, Optional, Sequence
 
-from ._files import Layer, Path, Study, _absolute, plain, table_of, toml
+from ._files import Layer, Path, Study, table_of, written
 from ._program import call
 from ._results import Sweep
 from ._work import _named, sweep_table
@@ -65,16 +65,17 @@ def submit(study: Study, shards: int, output: Optional[Path] = None, *, engine: 
         raise ValueError(f"shards: found {shards}, at least 1")
     table = sweep_table(study, axes, words)
     whole = table_of(study if table is None else table, {})
+    name = pathlib.Path(study).stem if table is None and "base" in whole and not isinstance(study, (Mapping, Layer)) else None
     if "base" not in whole:
         whole = {"base": whole}
     if not whole.get("axis"):
         seed = whole["base"].get("run", {}).get("seed", 1) if isinstance(whole["base"], Mapping) else 1
         whole["axis"] = [{"name": "seed", "field": "run.seed", "values": [seed]}]
-    folder = pathlib.Path(output) if output is not None else pathlib.Path("out") / _named(study, words)
+    folder = pathlib.Path(output) if output is not None else pathlib.Path("out") / (name or _named(whole, {}))
     parts = folder.with_name(folder.name + "-shards").resolve()
     parts.mkdir(parents=True, exist_ok=True)
     file = parts / "sweep.toml"
-    file.write_text(toml(_absolute(plain(whole))), encoding="utf-8")
+    file.write_text(written(whole), encoding="utf-8")
     pool, own = _engine(engine, workers, parts)
     futures = [pool.submit(solve_shard, str(file), str(parts / f"shard-{i}"), i, shards, jobs) for i in range(1, shards + 1)]
     return Submitted(futures, folder, own)

@@ -8,6 +8,7 @@ import doctest
 import importlib
 import importlib.util
 import io
+import json
 import os
 import pathlib
 import re
@@ -395,6 +396,25 @@ class Mistakes(InFolder):
         helped = re.findall(r"^ +--([\w-]+)", _program.call("solve", "--help"), re.MULTILINE)
         self.assertEqual([name.replace("-", "_") for name in helped], list(_solve._FLAGS))
 
+    def test_settings_of_a_stack(self):
+        """One cell for all layers; a thickness belongs to one of them."""
+        stack = {"stack": {}, "layer": [{"thickness_um": 0.2}, {"thickness_um": 0.3}]}
+        self.assertEqual(_files.with_settings(stack, {"period_um": 0.8})["stack"], {"period_um": 0.8})
+        self.refused("thickness_um: found a study of several layers", lambda: iw.run(stack, "x", thickness_um=0.2))
+        self.refused("layer: found a table for a list of 2", lambda: iw.run(stack, "x", layer={"thickness_um": 0.2}))
+
+    def test_files_of_a_dictionary_are_those_of_the_working_folder(self):
+        pathlib.Path("m1.csv").write_text("", encoding="utf-8")
+        pathlib.Path("solved").mkdir()
+        study = {"paper": {"fluorescence": {"m1_csv": "m1.csv"}}, "area": [{"results": pathlib.Path("solved")}]}
+        text = _files.written(study)
+        self.assertIn(json.dumps(os.path.abspath("m1.csv")), text)
+        self.assertIn(json.dumps(os.path.abspath("solved")), text)
+
+    def test_complex_indices_of_two_axes(self):
+        text = _files.written({"pigment": [{"index": {"ordinary": 2.0, "extraordinary": 2.2 + 0.01j}}]})
+        self.assertIn("extraordinary = { n = 2.2, k = 0.01 }", text)
+
     def test_a_mistaken_unit(self):
         self.refused("diameter_nm", lambda: iw.run(INK.with_(pigments=[iw.Pigment(d_nm=0.2, share=0.1, index="yellow")]), "x", **QUICK))
         self.refused("thickness_um", lambda: iw.run(INK.with_(thickness_um=3000.0), "x", **QUICK))
@@ -575,8 +595,9 @@ class Shards(InFolder):
         self.merged(engine="local")
 
     def test_a_study_is_a_sweep_of_one_variant(self):
-        found = iw.submit(INK, 2, "one", **QUICK).result()
-        alone = iw.run(INK, "alone", **QUICK)
+        found = iw.submit(INK, 2, **QUICK).result()
+        # in folders of their own, without one being named
+        alone = iw.run(INK, **QUICK)
         self.assertEqual(found["L"][0], alone.lab[0])
 
     @unittest.skipUnless(have("submitit"), "submitit is not installed")

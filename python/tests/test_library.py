@@ -5,6 +5,7 @@ import json
 import pathlib
 import sys
 import unittest
+import warnings
 
 import numpy as np
 
@@ -94,6 +95,14 @@ class Library(unittest.TestCase):
         np.testing.assert_allclose(both.ra, both.rb, rtol=0, atol=1e-12)
         np.testing.assert_allclose(both.tab, both.tba, rtol=0, atol=1e-12)
 
+    def test_a_scalar_library_warns_of_the_surface_between_dots(self):
+        dots = {"coverage": 0.5, "ruling_per_cm": 60, "spread_um": 40}
+        with self.assertWarnsRegex(iw.InkwaveWarning, "the scalar wave crosses the paper's surface"):
+            self.library.compose({"layers": ["red"], "paper": {"contact": True}, "dots": dots})
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.library.compose([{"layers": ["red"], "dots": dots}, {"layers": ["red"], "paper": {"contact": True}}])
+
     def test_refusals_say_what_is_allowed(self):
         cases = [
             ({"layers": []}, "layers"), ({"layers": [{"plate": "gold"}]}, "allowed are red, light, white, pale"),
@@ -106,10 +115,18 @@ class Library(unittest.TestCase):
             ({"layers": ["red"], "paper": {"fluorescence": {"excitation": [[330, 0], [365, 0.5], [420, 0]], "emission": [[420, 0], [440, 1]], "yield": 0.5}}},
              "a library from 420.0 nm"),
             ({"layers": ["red"], "paper": {"fluorescence": {"yield": 0.5}}}, "excitation, emission, yield"),
+            # what would be passed over or taken for something else
+            ({"layers": [{"plate": "red", "covrage": 0.4}]}, "layers.0..covrage"), ({"layers": [{"plate": "red", "thickness": 0.5}]}, "thickness: "),
+            ({"layers": ["red"], "dots": {"coverage": 0.4, "ruling_per_cm": 60, "spread_um": 40, "physical_gain": 0.1}}, "physical_gain"),
+            ({"layers": ["red"], "dots": {}}, "ruling_per_cm"), ({"layers": ["red"], "condition": "M7"}, "allowed are M0, M1, M2"),
+            ({"layers": ["red"], "paper": {"contact": "false"}}, "paper.contact"), ({"layers": "red"}, "found no list"),
+            ({"layers": ["red"], "paper": {"albedo": [[400, 0.8], [700, 0.8], [500, 0.9], [710, 0.8]]}}, "rising nm"), ([], "no composition"),
         ]
         for composition, words in cases:
             with self.assertRaisesRegex(iw.InputError, words):
                 self.library.compose(composition)
+        taken = {"layers": ["red"], "dots": {"coverage": np.float32(0.5), "ruling_per_cm": np.int64(60), "spread_um": 40}}
+        self.assertEqual(self.library.compose(taken).lab.shape, (1, 3))
         content = json.loads(LIBRARY.read_text())
         with self.assertRaisesRegex(iw.InputError, "allowed up to 3"):
             iw.Library({**content, "inkwave_library": 4})

@@ -91,6 +91,9 @@ fn tell(library: &Library, found: &ComposedStack) -> Result<()> {
     for reason in &found.withheld {
         say!("{stack}: no result: {}", reason.in_words())?;
     }
+    if let Some(surface) = &found.scalar_surface {
+        say!("{stack}: {}", surface.in_words())?;
+    }
     if found.colours.is_none() {
         let nm = library.wavelengths_nm.len();
         say!("{stack}: no colour: the library has {nm} wavelengths, which do not cover 400 to 700 nm")?;

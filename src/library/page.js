@@ -160,9 +160,15 @@
     fail(null);
     $("states").replaceChildren(...states.map((state, k) => make("section", { class: "state", id: `state-${k}`, style: `--own: var(--${"ab"[k]})` },
       make("h2", {}, "AB"[k]), make("div", { class: "patch", id: `patch-${k}`, role: "img" }), make("div", { class: "numbers", id: `numbers-${k}` }),
-      make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper; in dots, from bare to solid:"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }), controls(k))));
+      ...scalarSurface(state), make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper; in dots, from bare to solid:"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }), controls(k))));
     states.forEach((_, k) => look(k));
     if (gamut) hull();
+  }
+
+  /** What the scalar wave makes of the surface of paper that is seen bare between dots. */
+  function scalarSurface(state) {
+    if (library.content.wave !== "scalar" || !state.dots || !state.contact || library.index === 1) return [];
+    return [make("p", { class: "soft" }, "The scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: a clear layer does not look quite like bare paper. Plates solved with light.wave = \"unpolarised\" have both alike.")];
   }
 
   /** What a state looks like: at once without bars, which follow. */

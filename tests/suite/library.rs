@@ -6,6 +6,7 @@ mod refusals;
 use super::run_support::{results, study, succeed, value};
 use inkwave::evaluate::composed::composition::{Composition, compose};
 use inkwave::evaluate::composed::library::Library;
+use inkwave::wave::Wave;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -248,6 +249,27 @@ fn dots_of_every_ink_are_neugebauers_mean() {
     let none = json!([{ "plate": "light", "coverage": 0.0 }]);
     let found = composed(&library, json!({ "layers": none, "paper": { "albedo": 0.7 }, "dots": screen }));
     assert!(factors(&found).into_iter().all(|factor| (factor - 0.7).abs() < 1e-15));
+}
+
+/// A library of the scalar wave says what it makes of the paper's surface where bare paper lies between dots: as the run of such a
+/// print does, and of no other paper. *Planted*: said of solids too, and of no print.
+#[test]
+fn a_scalar_library_tells_of_the_surface_between_dots() {
+    let mut library = Library::read(&data("library.json")).expect("a library");
+    let print = |contact: bool, dots: bool| {
+        let screen = dots.then(|| json!({ "coverage": 0.4, "ruling_per_cm": 60, "spread_um": 40 }));
+        let paper = json!({ "albedo": 0.9, "contact": contact });
+        json!({ "layers": [{ "plate": "red" }], "paper": paper, "dots": screen })
+    };
+    library.wave = Wave::Scalar;
+    let told = &composed(&library, print(true, true))["scalar_surface"];
+    let read = |place: &str| told[place]["lit_at_45"].as_f64().expect("a factor");
+    assert!(read("below_clear_layer") > read("bare_paper"), "{told}");
+    for (contact, dots) in [(true, false), (false, true)] {
+        assert_eq!(composed(&library, print(contact, dots))["scalar_surface"], Value::Null);
+    }
+    library.wave = Wave::Unpolarised;
+    assert_eq!(composed(&library, print(true, true))["scalar_surface"], Value::Null);
 }
 
 /// The plates of a single layer are asked for alone: no report, and the library that the folder of a stack gives.

@@ -1,6 +1,7 @@
 //! Prints as a user runs them: dots, measured and brightened paper, of layers that are solved as a whole and of composed ones.
 
 mod areas;
+mod brightened;
 mod characterisation;
 mod papers;
 

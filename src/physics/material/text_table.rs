@@ -48,7 +48,8 @@ pub struct TableBlock {
     pub preamble: Vec<String>,
     /// The header as written; empty if the block has none.
     pub names: Vec<String>,
-    /// Rows with equally many cells, of which the first is a number.
+    /// Rows with equally many cells. The first is a number; of several pairs of a wavelength and its
+    /// value the first may be at its end, and is empty then.
     pub rows: Vec<TextLine>,
 }
 
@@ -70,6 +71,7 @@ impl TextTable {
         let stated = stated.and_then(|rest| rest.chars().next());
         let separator = stated.map_or_else(|| guessed(text), Separator::Character);
         let mut table = Self { path, separator, lines: Vec::new() };
+        let indent = table.indent(text);
         let mut count = 0;
         for (i, written) in text.lines().enumerate().skip(usize::from(stated.is_some())) {
             let (line, trimmed) = (i + 1, written.trim());
@@ -86,12 +88,27 @@ impl TextTable {
                 );
                 return Err(FileError::new(format_args!("{}, line {line}", table.path), reason));
             }
-            let cells = table.cells(content);
+            let mut cells = table.cells(content);
+            if indent.is_some() && !remark && table.number(&cells[0]).is_some() {
+                // of pairs of columns the first is at its end
+                let free = leading_tabs(written).saturating_sub(indent.unwrap_or(0));
+                cells.splice(0..0, vec![String::new(); free.min(MOST_COLUMNS)]);
+            }
             if cells.iter().any(|cell| !cell.is_empty()) {
                 table.lines.push(TextLine { line, cells, remark });
             }
         }
         Ok(table)
+    }
+
+    /// Tabs before every row of a table that tabs separate; `None` for others.
+    fn indent(&self, text: &str) -> Option<usize> {
+        let begins = |line: &&str| {
+            let first = line.trim().split('\t').next().unwrap_or_default();
+            self.number(first).is_some()
+        };
+        let is_tab = self.separator == Separator::Character('\t');
+        is_tab.then(|| text.lines().filter(begins).map(leading_tabs).min().unwrap_or(0))
     }
 
     /// Cells of a line; between quotes separators do not count.
@@ -131,7 +148,9 @@ impl TextTable {
                 continue;
             }
             let others = line.cells.iter().skip(1).filter(|cell| self.number(cell).is_some()).count();
-            let starts = self.number(&line.cells[0]).is_some();
+            let of_pairs =
+                open && blocks.last().is_some_and(|block| self.is_of_later_pair(line, &block.names));
+            let starts = of_pairs || self.number(&line.cells[0]).is_some();
             if open && (starts || others > 0) {
                 let names = blocks.last().map(|block| block.names.clone()).unwrap_or_default();
                 let width = blocks.last().map_or(0, |block| block.rows[0].cells.len());
@@ -163,9 +182,24 @@ impl TextTable {
         Ok(blocks)
     }
 
-    /// The row with exactly this number of cells; empty ones at its end may be missing or too many.
+    /// Whether the first pair of columns, a wavelength and its value, is at its end in a row, and a
+    /// later one goes on.
+    fn is_of_later_pair(&self, line: &TextLine, names: &[String]) -> bool {
+        let mut pairs = names.iter().zip(&line.cells).skip(1);
+        let goes_on = |(name, cell): (&String, &String)| {
+            wavelength_factor(name).is_some() && self.number(cell).is_some()
+        };
+        line.cells[0].is_empty() && pairs.any(goes_on)
+    }
+
+    /// The row with exactly this number of cells; empty ones at its end may be too many or, where
+    /// there are several columns of wavelengths, missing.
     fn fitted(&self, line: &TextLine, width: usize, names: &[String]) -> Result<TextLine, FileError> {
         let mut row = line.clone();
+        let wavelengths = names.iter().filter(|name| wavelength_factor(name).is_some()).count();
+        if wavelengths > 1 && row.cells.len() < width {
+            row.cells.resize(width, String::new());
+        }
         while row.cells.len() > width && row.cells.last().is_some_and(String::is_empty) {
             row.cells.pop();
         }
@@ -214,6 +248,14 @@ impl TextTable {
     }
 }
 
+/// Tabs that a line begins with.
+fn leading_tabs(line: &str) -> usize {
+    line.chars()
+        .take_while(|character| character.is_whitespace())
+        .filter(|character| *character == '\t')
+        .count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,6 +292,28 @@ mod tests {
         ] {
             assert_eq!(numbers(text), rows, "{text}");
         }
+    }
+
+    #[test]
+    fn pairs_of_columns_may_be_of_different_lengths() {
+        let head = "nm\ta\tnm.1\tb\n400\t0.1\t410\t0.2\n500\t0.3\t510\t0.4\n";
+        let of = |text: &str| -> Vec<Vec<String>> {
+            blocks(text).remove(0).rows.into_iter().map(|row| row.cells).collect()
+        };
+        let first = ["600", "0.5", "", ""];
+        let second = ["", "", "610", "0.6"];
+        for end in ["600\t0.5\n", "600\t0.5\t\t\n", "600\t0.5\t\t\t\n"] {
+            assert_eq!(of(&format!("{head}{end}"))[2], first, "{end:?}");
+        }
+        assert_eq!(of(&format!("{head}\t\t610\t0.6\n"))[2], second);
+        let commas = head.replace('\t', ",");
+        assert_eq!(of(&format!("{commas}600,0.5\n"))[2], first);
+        assert_eq!(of(&format!("{commas},,610,0.6\n"))[2], second);
+        // a table that is indented as a whole
+        assert_eq!(of("nm\ta\n\t400\t0.1\n\t500\t0.2\n")[1], ["500", "0.2"]);
+        // one column of wavelengths: a cell is missing
+        let table = TextTable::parse("a.csv".into(), "nm\ta\tb\n400\t0.1\t0.2\n500\t0.3\n").unwrap();
+        assert!(table.blocks().unwrap_err().to_string().contains("line 3: 2 cells under 3 columns"));
     }
 
     #[test]

@@ -43,6 +43,9 @@ use crate::appearance::viewing::{Summation, illuminants, observers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// The file of a folder of results that [`AreaTable::results`] is read from.
+pub const RESULTS: &str = "results.json";
+
 /// A whole study file. Missing tables take the defaults given for their fields.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

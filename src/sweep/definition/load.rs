@@ -7,6 +7,7 @@ use super::expand::{Draft, expand};
 use super::file::{SheetTable, SweepFile, Where};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::file::RESULTS;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::numerics::files;
@@ -239,6 +240,12 @@ impl Reading<'_> {
     fn keep_inputs(&mut self, key: &str, value: &mut Value) -> Result<(), StudyError> {
         match value {
             Value::String(name) if FILES.contains(&key) => self.keep_input(name),
+            Value::String(folder) if key == FOLDER_OF_RESULTS => {
+                let mut name = Path::new(folder.as_str()).join(RESULTS).display().to_string();
+                self.keep_input(&mut name)?;
+                *folder = Path::new(&name).parent().unwrap_or(Path::new("")).display().to_string();
+                Ok(())
+            }
             Value::Array(items) => items.iter_mut().try_for_each(|item| self.keep_inputs(key, item)),
             Value::Table(table) => table.iter_mut().try_for_each(|(key, value)| self.keep_inputs(key, value)),
             _ => Ok(()),
@@ -268,8 +275,12 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && entry.and_then(Value::as_str) == Some(*a))
 }
 
-/// Keys of a study that name files: of indices and albedos, of measurements, of microstructures.
-const FILES: [&str; 5] = ["csv", "yaml", "measured", "spheres", "voxels"];
+/// Keys of a study that name files: of indices and albedos, of measurements, of paper that
+/// fluoresces, of microstructures.
+const FILES: [&str; 8] =
+    ["csv", "yaml", "measured", "m1_csv", "m2_csv", "donaldson_csv", "spheres", "voxels"];
+/// Key of a study that names a folder of results, those of the layer that an area bears.
+const FOLDER_OF_RESULTS: &str = "results";
 
 #[cfg(test)]
 mod tests {
@@ -297,6 +308,32 @@ mod tests {
             let sweep = load(&folder.path().join("sweep.toml")).expect("a sweep");
             assert_eq!(sweep.inputs.len(), 1, "{text}");
             assert!(sweep.texts[0].contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
+        }
+    }
+
+    /// A pair of measurements of brightened paper. *Planted*: the keys of the pair left out.
+    #[test]
+    fn measurements_of_a_paper_are_kept_with_the_sweep() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+        let rows = |blue: f64| -> String {
+            let row = |nm: i32| format!("{nm},{}\n", if nm == 440 { blue } else { 0.85 });
+            (300..=740).step_by(10).map(row).collect()
+        };
+        write("m1.csv", &format!("wavelength_nm,reflectance\n{}", rows(0.95)));
+        write("m2.csv", &format!("wavelength_nm,reflectance\n{}", rows(0.85)));
+        write(
+            "sweep.toml",
+            "[[axis]]\nfield = 'layer.binder.index'\nvalues = [1.5, 1.6]\n[base.layer]\nthickness_um = 1\n\
+             [base.paper]\nfluorescence = { m1_csv = 'm1.csv', m2_csv = 'm2.csv' }\n\
+             [base.light]\nfrom_nm = 300\nto_nm = 700\nstep_nm = 20\n",
+        );
+        let sweep = load(&folder.path().join("sweep.toml")).expect("a sweep");
+        let kept: Vec<&str> =
+            sweep.inputs.iter().map(|input| input.path.rsplit('/').next().unwrap()).collect();
+        assert_eq!(kept, ["m1.csv", "m2.csv"]);
+        for (text, input) in sweep.texts.iter().flat_map(|text| sweep.inputs.iter().map(move |i| (text, i))) {
+            assert!(text.contains(&format!("../../{}", input.path)), "{text}");
         }
     }
 }

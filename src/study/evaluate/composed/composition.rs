@@ -34,6 +34,8 @@ use crate::evaluate::prints::{Brightened, PrintNumbers};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use crate::input::measured::MeasuredCondition;
+use crate::input::study::ScalarSurface;
+use crate::wave::Wave;
 use dots::KindsOfArea;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -108,6 +110,9 @@ pub struct ComposedStack {
     pub dots: Option<PrintNumbers<ErrorParts>>,
     /// Numbers that cannot be, with the reason.
     pub withheld: Vec<Withheld>,
+    /// What the scalar wave makes of the surface of the paper between the dots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scalar_surface: Option<ScalarSurface>,
 }
 
 /// A composition of a library's plates, ready to be evaluated.
@@ -158,8 +163,9 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
         withheld.extend(without);
     }
     let dots = layer.prints.into_iter().next().map(|print| task.between_wavelengths(print));
+    let scalar_surface = task.scalar_surface();
     let composition = composition.clone();
-    Ok(ComposedStack { composition, thickness_um, spectra: kept, colours, dots, withheld })
+    Ok(ComposedStack { composition, thickness_um, spectra: kept, colours, dots, withheld, scalar_surface })
 }
 
 impl<'a> CompositionTask<'a> {
@@ -294,6 +300,13 @@ impl<'a> CompositionTask<'a> {
             *lab = ErrorParts { wavelengths, ..*lab }.summed();
         }
         PrintNumbers { lab, ..print }
+    }
+
+    /// What the scalar wave makes of paper that is seen bare between dots, in unpolarised light.
+    fn scalar_surface(&self) -> Option<ScalarSurface> {
+        let is_bare_seen = self.areas.is_some() && self.library.wave == Wave::Scalar;
+        let rows = self.library.wavelengths_nm.iter().copied().zip(self.albedos.iter().copied());
+        ScalarSurface::of_rows(rows.filter(|_| is_bare_seen), self.coupling)
     }
 
     /// Bare paper at 45:0.

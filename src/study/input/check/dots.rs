@@ -3,7 +3,7 @@
 use super::Tabulation;
 use crate::appearance::halftone::{demichel, mean_spread_share, physical_coverage};
 use crate::appearance::paper_series::{AreaOptics, LayerOptics};
-use crate::input::file::{AreaBears, AreaTable, DotsTable, InkTable, PatchRule, StudyFile};
+use crate::input::file::{AreaBears, AreaTable, DotsTable, InkTable, PatchRule, RESULTS, StudyFile};
 use crate::input::study::{Dots, MixedAreas, MixedPrint};
 use crate::input::{Allowed, Faults, limits};
 use crate::wave::Wave;
@@ -16,8 +16,6 @@ const MOST_INKS: usize = 6;
 const MOST_PRINTS: usize = 20_000;
 /// Micrometres of a centimetre.
 const UM_PER_CM: f64 = 1e4;
-/// What of a results file is read.
-const RESULTS: &str = "results.json";
 
 /// The screen and the kinds of area of a study's file.
 pub(super) struct DotsReader<'a, 'f> {

@@ -48,6 +48,12 @@ const OTHER_COLUMNS: [&str; 31] = [
 const REFLECTANCES: [&str; 8] =
     ["reflectance", "reflectivity", "reflection", "refl", "albedo", "r", "value", "brf"];
 
+/// Whether the name of a column says in full that reflectances stand below it.
+fn names_reflectance(name: &str) -> bool {
+    let words = words::word_list(name);
+    words.iter().any(|word| ["reflectance", "reflectivity", "refl", "albedo", "brf"].contains(&word.as_str()))
+}
+
 /// What the header of a column says it holds.
 #[derive(PartialEq)]
 enum ColumnKind {
@@ -227,7 +233,7 @@ pub fn samples(table: &TextTable, block: &TableBlock, into: &mut MeasuredFile) -
     }
     let name = |column: usize| block.names.get(column).map_or("", String::as_str);
     let above = declared(block.preamble.iter());
-    let quantity_above = block.preamble.iter().rev().find_map(|line| declared_quantity(line));
+    let quantity_above = block.preamble.iter().rev().find_map(|line| Some((line, declared_quantity(line)?)));
     for &column in &columns {
         if let Some([first, last]) = like_wavelengths(table, block, column) {
             return Err(format!(
@@ -254,7 +260,10 @@ pub fn samples(table: &TextTable, block: &TableBlock, into: &mut MeasuredFile) -
         let title = block.preamble.last().cloned().filter(|title| !title.contains(['=', ':']));
         let sample_name = if columns.len() > 1 { Some(name(column).to_owned()) } else { title };
         let is_transmitted = ColumnKind::of(name(column)) == ColumnKind::Transmittance;
-        let kind_above = quantity_above.unwrap_or(above.kind);
+        // a title such as `Density` may name the sample of a column that says what it holds
+        let is_of_column = |line: &str| line.contains([':', '=']) || !names_reflectance(name(column));
+        let told = quantity_above.filter(|(line, _)| is_of_column(line));
+        let kind_above = told.map_or(above.kind, |(_, kind)| kind);
         into.samples.push(MeasuredSample {
             names: sample_name.into_iter().filter(|name| !name.is_empty()).collect(),
             device: Vec::new(),

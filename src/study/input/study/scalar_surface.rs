@@ -47,6 +47,15 @@ impl ScalarSurface {
         })
     }
 
+    /// The row, wavelength in nm and albedo, at which both differ most at 45:0; `None` where the
+    /// paper has no surface.
+    pub fn of_rows(rows: impl Iterator<Item = (f64, f64)>, coupling: Coupling) -> Option<Self> {
+        let at = |(nm, albedo): (f64, f64)| Self::at(nm, albedo, coupling);
+        let size = |surface: &Self| surface.difference().abs();
+        let has_surface = coupling.index_out() != 1.0;
+        rows.filter(|_| has_surface).filter_map(at).max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
+
     /// How much more the paper reads at 45:0 below the layer.
     fn difference(&self) -> f64 {
         self.below_clear_layer.lit_at_45 - self.bare_paper.lit_at_45
@@ -75,12 +84,10 @@ impl Study {
     pub fn scalar_surface(&self) -> Option<ScalarSurface> {
         let paper = &self.paper;
         let is_bare_seen = paper.measured.is_some() || paper.dots.is_some() || self.without_layers;
-        let has_surface = paper.coupling.index_out() != 1.0;
-        if self.wave != Wave::Scalar || !is_bare_seen || !has_surface || self.no_paper().is_some() {
+        if self.wave != Wave::Scalar || !is_bare_seen || self.no_paper().is_some() {
             return None;
         }
-        let at = |&nm: &f64| ScalarSurface::at(nm, paper.albedo.at(nm).ok()?, paper.coupling);
-        let size = |surface: &ScalarSurface| surface.difference().abs();
-        self.wavelengths_nm.iter().filter_map(at).max_by(|a, b| size(a).total_cmp(&size(b)))
+        let row = |&nm: &f64| Some((nm, paper.albedo.at(nm).ok()?));
+        ScalarSurface::of_rows(self.wavelengths_nm.iter().filter_map(row), paper.coupling)
     }
 }

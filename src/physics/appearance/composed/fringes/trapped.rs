@@ -13,10 +13,12 @@
 //! zone that ends at s₁. The half-spaces that a slab is solved between, where its medium goes on,
 //! are in its solve and not in the layer.
 
+mod element;
 mod even_slab;
 
-use self::even_slab::{EvenOf, EvenSlab, KnownSlab, normal, plane};
-use super::slab_film::{CoherentFilm, logarithm};
+use self::element::TrappedElement;
+use self::even_slab::normal;
+use super::slab_film::CoherentFilm;
 use super::stack_film::{FilmElement, FilmMatrix, Mirrors, SolvedElement, StackFilm};
 use super::{FAINT, Lobes, MOST_FRINGES, MeanField, passive, shares};
 use crate::appearance::composed::flux::Coherent;
@@ -37,8 +39,6 @@ const FRINGES_OF_A_PIECE: f64 = 4.0;
 const MOST_HALVINGS: usize = 48;
 /// Rounds of the search for N: what faces do to the phase is a tenth of what the way does, or less.
 const ROUNDS: usize = 12;
-/// Amplitude that a far face mirrors much with.
-const MUCH: f64 = 0.4;
 /// Largest |N² − n²| that an even film is compared with; beyond it, N is n.
 const FURTHEST: f64 = 1.0;
 
@@ -89,14 +89,6 @@ pub(super) struct TrappedLight<'a> {
     pub wavelength_um: f64,
     /// Whether one of the known directions is left out.
     pub fewer_directions: bool,
-}
-
-/// An element in the known directions of a zone.
-#[derive(Clone, Debug)]
-enum TrappedElement {
-    Solved { film: EvenSlab, count: f64, is_last: bool, known: Vec<KnownSlab> },
-    Face([Complex64; 2]),
-    Even { squared: Complex64, thickness_um: f64 },
 }
 
 /// One zone beyond the edge.
@@ -335,152 +327,6 @@ impl TrappedZone {
             }
         }
         (seen >= FAINT).then_some(fringes)
-    }
-}
-
-impl TrappedElement {
-    /// A slab in the known directions of a zone; `None` where a direction is not known.
-    fn of_slab(
-        slab: &TrappedSlab,
-        light: TrappedLight,
-        zone: &DirectionZone,
-        is_last: bool,
-        before: Option<&Self>,
-    ) -> Option<Self> {
-        let &TrappedSlab { between, index, thickness_um, mirrors, count, .. } = slab;
-        let polarisation = light.polarisation;
-        let wavenumber = TAU / light.wavelength_um;
-        let neighbours = before.filter(|_| is_last).and_then(|before| before.alike(index));
-        let film = EvenSlab { between, index, thickness_um, mirrors, polarisation, wavenumber };
-        let amplitude = |side: usize, direction: usize, lobe: usize| -> Option<Complex64> {
-            Some(slab.amplitudes[side].get(direction)?.get(polarisation)?[lobe])
-        };
-        let measured = |direction: usize| -> Option<Complex64> {
-            if is_last {
-                return amplitude(0, direction, 0);
-            }
-            let onward = amplitude(0, direction, 1)?;
-            let root = (onward * amplitude(1, direction, 1)?).sqrt();
-            // the root that is the amplitude, not less it
-            Some(if (root.conj() * onward).re < 0.0 { -root } else { root })
-        };
-        // What an even film of that index mirrors. Where that is much, the slab differs from it by
-        // a factor, whose phase costs no light; else by a difference, without a root to divide by.
-        let is_factor = neighbours.is_some_and(|known| {
-            let mirrored = |k: usize| film.solved(known[k].squared, light.ordinates.sines[zone.first + k]);
-            (0..zone.count).all(|k| mirrored(k).reflected[0].norm() > MUCH)
-        });
-        let mut known = Vec::new();
-        let mut turned = 0.0;
-        // From 0° outwards, so that logarithms do not jump between directions; what a far face
-        // mirrors of p light has a root on the way.
-        let first = if is_last { zone.first + 1 } else { 0 };
-        for direction in first..=zone.first + zone.count {
-            let sine = if direction == 0 { 0.0 } else { light.ordinates.sines[direction - 1] };
-            let value = measured(direction)?;
-            if direction <= zone.first {
-                turned = film.logarithm(value, Complex64::ZERO, sine, is_last, turned).im;
-                continue;
-            }
-            let mut own = match neighbours {
-                Some(known) => EvenOf::neighbour(&known[direction - zone.first - 1]),
-                None => film.even_of(value, sine, is_last, turned),
-            };
-            turned = own.turned;
-            own.known.solved = if is_last {
-                [value.norm_sqr(), 0.0, 0.0]
-            } else {
-                let [front, behind] = [amplitude(0, direction, 0)?, amplitude(1, direction, 0)?];
-                [front.norm_sqr(), behind.norm_sqr(), value.norm_sqr()]
-            };
-            let sides = match neighbours {
-                _ if !is_last => 0..2,
-                Some(_) if !is_factor => 0..1,
-                _ => 0..0,
-            };
-            let even = film.solved(own.known.squared, sine);
-            if is_factor {
-                own.known.further = logarithm(value / even.reflected[0]);
-            }
-            let phases = film.depths(own.known.squared, sine);
-            for side in sides {
-                let difference = amplitude(side, direction, 0)? - even.reflected[side];
-                own.known.reflected[side] = difference * phases[side].conj();
-            }
-            known.push(own.known);
-        }
-        Some(Self::Solved { film, count, is_last, known })
-    }
-
-    /// What is known of a slab of this index that light passes.
-    fn alike(&self, index: f64) -> Option<&[KnownSlab]> {
-        match self {
-            Self::Solved { film, known, is_last: false, .. } if film.index == index => Some(known),
-            _ => None,
-        }
-    }
-
-    /// At a lateral wavenumber; `weights` are those of the known directions.
-    fn at(&self, weights: &[f64], sine: f64, polarisation: usize, wavenumber: f64) -> FilmMatrix<Complex64> {
-        let (film, count, is_last, known) = match self {
-            Self::Solved { film, count, is_last, known } => (film, *count, *is_last, known),
-            Self::Face([before, behind]) => return plane(*before, *behind, sine, polarisation),
-            Self::Even { squared, thickness_um } => {
-                let way = (Complex64::I * wavenumber * normal(*squared, sine) * thickness_um).exp();
-                return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
-            }
-        };
-        let mut here = KnownSlab::default();
-        for (weight, known) in weights.iter().zip(known) {
-            here.squared += weight * known.squared;
-            here.further += weight * known.further;
-            (0..2).for_each(|side| here.reflected[side] += weight * known.reflected[side]);
-        }
-        // In between, noise of few realisations must not let a slab pass more than in any known
-        // direction: many slabs raise that to their power.
-        let clearest = known.iter().map(|known| known.squared.im).fold(f64::INFINITY, f64::min);
-        here.squared.im = here.squared.im.max(clearest.max(0.0));
-        let most = known.iter().map(|known| known.further.re).fold(f64::NEG_INFINITY, f64::max);
-        here.further.re = here.further.re.min(most);
-        if film.mirrors == Mirrors::Nowhere {
-            let once = film.phase(here.squared, sine) + here.further;
-            return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: (once * count).exp() };
-        }
-        let even = film.within(here.squared, sine);
-        let phases = film.depths(here.squared, sine);
-        if is_last {
-            let turned = even.reflected[0] * here.further.exp() + here.reflected[0] * phases[0];
-            // noise between the directions must not make more light than there is
-            let turned = turned / turned.norm().max(1.0);
-            return FilmMatrix { reflected: [turned, Complex64::ZERO], transmitted: Complex64::ZERO };
-        }
-        FilmMatrix {
-            reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
-            transmitted: even.transmitted * here.further.exp(),
-        }
-    }
-
-    /// Powers in a known direction.
-    fn solved(&self, direction: usize, sine: f64, polarisation: usize, wavenumber: f64) -> FilmMatrix<f64> {
-        match self {
-            Self::Solved { film, count, known, .. } => {
-                let [front, behind, passed] = known[direction].solved;
-                if film.mirrors == Mirrors::Nowhere {
-                    return FilmMatrix { reflected: [0.0; 2], transmitted: passed.powf(*count) };
-                }
-                FilmMatrix { reflected: [front, behind], transmitted: passed }
-            }
-            plain => plain.at(&[], sine, polarisation, wavenumber).powers(),
-        }
-    }
-
-    /// Square of its real index, and its thickness, µm.
-    fn depth(&self) -> (Complex64, f64) {
-        match self {
-            Self::Solved { film, count, .. } => ((film.index * film.index).into(), film.thickness_um * count),
-            Self::Face(_) => (Complex64::ONE, 0.0),
-            Self::Even { squared, thickness_um } => (*squared, *thickness_um),
-        }
     }
 }
 
