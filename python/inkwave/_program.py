@@ -24,10 +24,12 @@ __all__ = ["InkwaveError", "InkwaveWarning", "InputError", "MissingProgram", "ca
 class InkwaveError(RuntimeError):
     """The program refused its input or failed; the text is its whole message.
 
-    `folder` is where its results are, if it has any: what is stored stays, and the same call resumes.
+    `folder` is where its results are, if it has any: what is stored stays, and the same call resumes. `printed` is what it had
+    printed by then.
     """
 
     folder: Optional[pathlib.Path] = None
+    printed: str = ""
 
 
 class InputError(InkwaveError, ValueError):
@@ -230,7 +232,9 @@ def call(*arguments: object, show: Optional[bool] = None, listen: Optional[Calla
     if child.returncode:
         failed = next((i for i, line in enumerate(remarks) if line.lower().startswith("error:")), len(remarks))
         remark([line.removeprefix("warning: ") for line in remarks[:failed] if not line.startswith(("usage:", "Usage:"))])
-        raise _error(said, began.is_set(), str(arguments[0]))
+        error = _error(said, began.is_set(), str(arguments[0]))
+        error.printed = _plain("".join(printed))
+        raise error
     output = _plain("".join(printed))
     told = [line for line in output.splitlines() if ": no result: " in line or ": no colour: " in line]
     remark([line.removeprefix("warning: ") for line in remarks + told])

@@ -16,7 +16,7 @@ import types
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Union
 
 from ._files import Layer, Path, Study, input_file, plain, table_of
-from ._program import call
+from ._program import InkwaveError, call
 from ._solve import _translated
 from ._tables import Table, read_table
 
@@ -212,4 +212,7 @@ def conforms(solver: Solver, knob: Optional[float] = None) -> str:
     """
     with tempfile.TemporaryDirectory(prefix="inkwave-") as scratch:
         command = row_of(getattr(solver, "__name__", "own"), solver, pathlib.Path(scratch), ())["command"]
-        return call("compare", *([] if knob is None else ["--knob", knob]), "--check", *command, show=False)
+        try:
+            return call("compare", *([] if knob is None else ["--knob", knob]), "--check", *command, show=False)
+        except InkwaveError as error:  # which of the questions it failed
+            raise type(error)(f"{error.printed.strip()}\n{error}".lstrip()) from None

@@ -38,7 +38,9 @@ use thiserror::Error;
 /// Cells of the coarse table.
 const TABLE_CELLS: usize = 2;
 /// Linearisations of one branch on all cells: at least, and at most.
-const LINEARISATIONS: [usize; 2] = [2, 4];
+const LINEARISATIONS: [usize; 2] = [2, 6];
+/// Share of a step that is taken where the one before led too far.
+const DAMPED: f64 = 0.5;
 /// A step that moves the data by less than this share of the noise is the last one.
 const SMALL_STEP: f64 = 0.5;
 
@@ -199,6 +201,7 @@ impl<'a> FitRun<'a> {
         let mut unknowns = branch.unknowns.clone();
         let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
         let mut rounds = 0;
+        let mut moved_before = f64::INFINITY;
         loop {
             rounds += 1;
             self.watch.stage(&format!("linearisation {rounds} on all cells"));
@@ -213,6 +216,8 @@ impl<'a> FitRun<'a> {
             let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
             let moved = data.moved(&step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
+            let share = if moved > moved_before { DAMPED * share } else { share };
+            moved_before = moved;
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
             if last || rounds == LINEARISATIONS[1] {
                 is_an_index(task, &prior.index(&step.unknowns))?;

@@ -251,6 +251,49 @@ fn dots_of_every_ink_are_neugebauers_mean() {
     assert!(factors(&found).into_iter().all(|factor| (factor - 0.7).abs() < 1e-15));
 }
 
+/// Grains lighter than their binder: a layer in slabs whose mean index, 1.47, is below the joints'. Without absorption all light of
+/// a uniform sky comes back from a perfect white, and the slabs are the layer solved whole. *Planted*: slabs between half-spaces of
+/// their own index (0.4 of the light came back).
+#[test]
+fn slabs_less_dense_than_their_joints_are_the_whole_layer() {
+    let layer = |name: &str, slab_um: f64| {
+        format!(
+            "[[layer]]\nname = \"{name}\"\nthickness_um = 0.8\nslab_um = {slab_um}\nbinder.index = 1.5\n[[layer.pigment]]\n\
+             name = \"light\"\ndiameter_nm = 150\nvolume_fraction = 0.2\nindex = 1.35\n"
+        )
+    };
+    let text = format!(
+        "title = \"Light grains\"\n[stack]\nperiod_um = 0.6\ncomposed = {{ joint_index = 1.5 }}\n{}{}[light]\n\
+         wavelengths_nm = [450, 600]\n[run]\nrealisations = 2\nseed = 7\n[resolution]\npoints_per_um = 14\nplanes_per_um = 40\n",
+        layer("slabs", 0.4),
+        layer("whole", 0.8)
+    );
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    succeed(&study(folder, &text), &folder.join("out"), &[]);
+    carried_out(&["library", "out", "--output", "library.json"], folder);
+    let library = library_of(&folder.join("library.json"));
+    let on = |plate: &str, albedo: f64| {
+        let paper = json!({ "albedo": albedo, "contact": true });
+        composed(&library, json!({ "layers": [{ "plate": plate }], "paper": paper }))["spectra"].clone()
+    };
+    for row in ["slabs", "whole"].map(|plate| on(plate, 1.0)).iter().flat_map(|rows| rows.as_array().unwrap())
+    {
+        // an identity: the balance of the fluxes
+        assert!((value(row, "natural_light") - 1.0).abs() < 1e-6, "{row}");
+    }
+    let [slabs, whole] = ["slabs", "whole"].map(|plate| on(plate, 0.5));
+    for (slabs, whole) in slabs.as_array().unwrap().iter().zip(whole.as_array().unwrap()) {
+        for name in ["natural_light", "lit_at_45"] {
+            let bar = |row: &Value| row[name]["standard_error"].as_f64().expect("a bar");
+            let bars = bar(slabs).hypot(bar(whole));
+            let off = value(slabs, name) - value(whole, name);
+            // 3 errors: four numbers, two realisations
+            assert!(off.abs() < 3.0 * bars && bars < 0.03, "{name}: {off} ± {bars}");
+        }
+    }
+}
+
 /// A library of the scalar wave says what it makes of the paper's surface where bare paper lies between dots: as the run of such a
 /// print does, and of no other paper. *Planted*: said of solids too, and of no print.
 #[test]

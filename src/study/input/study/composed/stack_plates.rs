@@ -44,7 +44,9 @@ pub struct StackMedia {
     /// In front of layer k: for k = 0 the incident side, else the joint with the layer before; and
     /// the exit side.
     pub joints: Vec<f64>,
-    /// What inner slabs of layer k are solved between; of a clear layer its own index.
+    /// What inner slabs of layer k are solved between; of a clear layer its own index. Between plane
+    /// faces it is that of the joints or more: of a medium that is less dense, the joints' directions
+    /// would have a critical angle between nodes, and their fluxes no balance.
     pub within: Vec<f64>,
     /// In front of the stack and behind it, where plane faces lead from there to joints of one
     /// index; `None` where the outermost layers are solved with what surrounds the stack.
@@ -105,7 +107,7 @@ impl Study {
                 (index * index).re.max(0.0).sqrt()
             };
             let binders: Vec<f64> = self.stack.iter().map(binder).collect();
-            let within = layers.iter().map(|layer| layer.embedding_index(um)).collect();
+            let mut within: Vec<f64> = layers.iter().map(|layer| layer.embedding_index(um)).collect();
             let mut joints = vec![self.layer.index_in];
             joints.extend(binders.windows(2).map(|pair| pair[0].max(pair[1]).max(self.layer.index_out)));
             joints.push(self.layer.index_out);
@@ -113,6 +115,8 @@ impl Study {
             let outer = joint.map(|_| [self.layer.index_in, self.layer.index_out]);
             if let Some(index) = joint {
                 joints.fill(index);
+                let grains = within.iter_mut().zip(&layers).filter(|(_, layer)| !layer.pigments.is_empty());
+                grains.for_each(|(within, _)| *within = within.max(index));
             }
             StackMedia { wavelength_nm: *nm, joints, within, outer }
         };
