@@ -31,6 +31,8 @@ _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
 _STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
 _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
+# Beyond rounding; fluxes of a program that did not balance them are far from it.
+_UNBALANCED = 1e-6
 # Lamps of the conditions of instruments; none: that of the illuminant.
 _CONDITIONS = {None: None, "M0": "A", "M1": "D50", "M2": "D50"}
 _SCALAR_SURFACE = ("the scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: "
@@ -247,7 +249,8 @@ class _Stack(NamedTuple):
 class Composed:
     """What compositions look like: arrays over compositions, then wavelengths or L*, a*, b*.
 
-    `errors` has the standard errors of the same names, where bars were asked for.
+    `errors` has the standard errors of the same names, where bars were asked for. Colours are not a number where the library's
+    wavelengths carry none.
     """
 
     wavelengths_nm: np.ndarray
@@ -288,6 +291,14 @@ class Library:
             raise InputError("found no library; allowed is a file that `inkwave library` has written")
         if form > FORM:
             raise InputError(f"inkwave_library: found form {form}; allowed up to {FORM}: read it with a newer inkwave")
+        try:
+            self._read(content, form)
+        except InputError:
+            raise
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(f"found a library that is damaged ({type(error).__name__}: {error}); gather it again") from None
+
+    def _read(self, content: Mapping[str, Any], form: int) -> None:
         joint = content["joint"]
         self.wavelengths_nm = np.array(content["wavelengths_nm"], float)
         self.joint_index = float(joint["index"])
@@ -301,7 +312,15 @@ class Library:
         self._eyes = {(eye["illuminant"], eye["observer"]): np.array(eye["weights"]) for eye in content["eyes"]}
         self._plates = content["plates"]
         self._numbers = {plate["name"]: k for k, plate in enumerate(self._plates)}
+        if len(self._numbers) != len(self._plates):
+            raise InputError("plates: found two of one name; allowed are names of their own: gather the library again")
         self._portions = [[self._portion(plate["name"], portion) for portion in plate["portions"]] for plate in self._plates]
+        for plate, portions in zip(self._plates, self._portions):
+            for flux in (portion.states[0].flux for portion in portions):
+                kept = np.r_[(flux.ra.sum(-2) + flux.tab.sum(-2)).ravel(), (flux.rb.sum(-2) + flux.tba.sum(-2)).ravel()]
+                if kept.min() < -_UNBALANCED or kept.max() > 1 + _UNBALANCED:
+                    raise InputError(f"plate {plate['name']!r}: found {kept.min():.3g} to {kept.max():.3g} of the light reflected and passed on; "
+                                     "allowed 0 to 1: solve its layer again")
         self._lights = {light["illuminant"]: np.array(light["powers"], float) for light in content.get("lights", [])}
         first, last = math.ceil(max(self.wavelengths_nm[0], _SHORTEST_NM) / _STEP_NM), math.floor(self.wavelengths_nm[-1] / _STEP_NM)
         self._summed_nm = _STEP_NM * np.arange(first, last + 1)
@@ -367,6 +386,10 @@ class Library:
         eyes = [self._eye(composition) for composition in listed]
         if self._wave == "scalar" and any(job.contact and job.printed is not None for job in jobs) and self.joint_index != 1.0:
             remark([_SCALAR_SURFACE.format(self.joint_index)])
+        with np.errstate(divide="ignore", invalid="ignore"):  # a perfect white below a layer that loses nothing
+            return self._composed(jobs, eyes, bars)
+
+    def _composed(self, jobs: Sequence[_Job], eyes: Sequence[np.ndarray], bars: bool) -> Composed:
         values = self._evaluated(jobs)
         found = self._coloured(values, np.array(eyes))
         errors = None
@@ -377,13 +400,16 @@ class Library:
 
     def _eye(self, composition: Mapping[str, Any]) -> np.ndarray:
         name = (composition.get("illuminant", "D65"), composition.get("observer", "2"))
+        if not self._eyes:
+            return np.full((self.wavelengths_nm.size, 3), np.nan)
         if name not in self._eyes:
-            known = ", ".join("/".join(eye) for eye in self._eyes) or "none: its wavelengths carry no colour"
+            known = ", ".join("/".join(eye) for eye in self._eyes)
             raise InputError(f"illuminant, observer: found {name[0]}, {name[1]}; allowed are those of the library: {known}")
         return self._eyes[name]
 
     def _job(self, composition: Composition, number: int) -> _Job:
-        if not isinstance(composition, Mapping) or not composition.get("layers"):
+        layers = composition.get("layers") if isinstance(composition, Mapping) else None
+        if layers is None or np.size(layers) == 0:
             raise InputError(f"composition {number}: found no layers; allowed is {{'layers': [{{'plate': NAME}}, …]}}")
         where = f"composition {number}: "
         _judge_keys(composition, ("layers", "paper", "dots", "illuminant", "observer", "condition"), where)
@@ -420,6 +446,8 @@ class Library:
             if not (albedo[0, 0] <= self.wavelengths_nm[0] and albedo[-1, 0] >= self.wavelengths_nm[-1]):
                 raise InputError(f"{where}paper.albedo: found {albedo[0, 0]} to {albedo[-1, 0]} nm; extend the table")
             albedo = np.interp(nm, albedo[:, 0], albedo[:, 1])
+        if albedo.ndim > 2 or albedo.ndim == 1 and albedo.size not in (1, nm.size):
+            raise InputError(f"{where}paper.albedo: found {albedo.size} values; allowed is one, or rows of nm and albedo")
         if not ((albedo >= 0) & (albedo <= 1)).all():
             raise InputError(f"{where}paper.albedo: found {albedo}; allowed 0 to 1")
         return np.array(np.broadcast_to(albedo, nm.shape))

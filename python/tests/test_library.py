@@ -132,6 +132,15 @@ class Library(unittest.TestCase):
             iw.Library({**content, "inkwave_library": 4})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
+        with self.assertRaisesRegex(iw.InputError, "damaged"):
+            iw.Library({"inkwave_library": 3})
+        unbalanced = json.loads(LIBRARY.read_text())
+        states = unbalanced["plates"][0]["portions"][0]["states"][1]
+        states["mean"] = base64.b64encode((3 * np.frombuffer(base64.b64decode(states["mean"]), "<f8")).tobytes()).decode()
+        with self.assertRaisesRegex(iw.InputError, "of the light reflected and passed on"):
+            iw.Library(unbalanced)
+        dark = iw.Library({**content, "eyes": []}).compose({"layers": ["red"]})
+        self.assertTrue(np.isnan(dark.lab).all() and np.isfinite(dark.lit_at_45).all())
         content["plates"][0]["portions"][0]["states"].pop()
         with self.assertRaisesRegex(iw.InputError, "wavelengths"):
             iw.Library(content)

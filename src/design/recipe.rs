@@ -269,6 +269,12 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
                 continue;
             }
         };
+        if let Some(field) = table.field.as_ref().filter(|field| !is_of_the_solid(field)) {
+            let allowed = "a field of the layer, its pigments or the paper, which move the colour of the solid that a design aims at";
+            let remedy = "a run of the recipe has its tints: [[area]] coverage = [0.1, 0.2, …]";
+            faults.add(format!("vary[{i}].field"), format!("{field:?}"), allowed, remedy);
+            continue;
+        }
         let (from, to) = (table.from, table.to);
         if !(from.is_finite() && to.is_finite() && from < to) {
             let found = format!("{from} to {to}");
@@ -283,6 +289,13 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
         all.push(Variable { name, written: table.clone(), composed, listed, logarithmic });
     }
     all
+}
+
+/// Whether a field belongs to what a solid is printed with: neither to its dots nor to how it is
+/// solved and shown.
+fn is_of_the_solid(field: &str) -> bool {
+    let table = steps(field).next().unwrap_or_default();
+    ["layer", "stack", "pigment", "packing", "paper"].contains(&table)
 }
 
 fn check_settings(file: &DesignFile, faults: &mut Faults) {

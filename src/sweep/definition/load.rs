@@ -148,6 +148,9 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
     }
+    if axes.iter().any(varies_dots) {
+        variants.iter_mut().for_each(|variant| variant.study.remarks.push(OF_DOTS.to_owned()));
+    }
     let outline = outline(&file, &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
         let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
@@ -162,6 +165,16 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
         last.remedy.push_str(&format!(" ({more} more of this kind)"));
     }
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
+}
+
+/// What is told of a sweep over the dots of a print.
+const OF_DOTS: &str = "an axis varies the dots of a print: the colours, charts and sheets of a sweep are those of the solid, and the tints are \
+     in the results of every variant (`prints`); a list of coverages in one run has a whole ramp";
+
+/// Whether an axis varies the dots of a print.
+fn varies_dots(axis: &Axis) -> bool {
+    let mut fields = axis.settings.iter().flat_map(|setting| setting.set.keys());
+    fields.any(|field| ["dots", "area", "ink"].contains(&steps(field).next().unwrap_or_default()))
 }
 
 fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
@@ -309,6 +322,26 @@ mod tests {
             assert_eq!(sweep.inputs.len(), 1, "{text}");
             assert!(sweep.texts[0].contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
         }
+    }
+
+    /// *Planted*: said of no sweep, and of every one.
+    #[test]
+    fn a_sweep_over_dots_says_that_its_colours_are_the_solids() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let sweep = |field: &str| {
+            let text = format!(
+                "[[axis]]\nfield = '{field}'\nvalues = [0.3, 0.7]\n[base.layer]\nthickness_um = 1\nbinder.index = 1.5\n[base.dots]\n\
+                 ruling_per_cm = 60\nspread_um = 40\n[[base.area]]\ncoverage = 0.5\n"
+            );
+            std::fs::write(folder.path().join("sweep.toml"), text).expect("written");
+            load(&folder.path().join("sweep.toml")).expect("a sweep")
+        };
+        let tells = |field: &str| {
+            let remarks = sweep(field).variants.into_iter().map(|variant| variant.study.remarks.concat());
+            remarks.map(|remark| remark.contains("those of the solid")).collect::<Vec<bool>>()
+        };
+        assert_eq!(tells("area[0].coverage"), [true; 2]);
+        assert_eq!(tells("layer.thickness_um"), [false; 2]);
     }
 
     /// A pair of measurements of brightened paper. *Planted*: the keys of the pair left out.

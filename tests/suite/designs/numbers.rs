@@ -57,6 +57,20 @@ fn a_number_out_of_reach_stands_beside_what_was_reached() {
     }
 }
 
+/// A design aims at the solid: dots, and settings of the solves, move no colour of it. *Planted*: any field taken.
+#[test]
+fn what_moves_no_solid_is_not_varied() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dots = "[dots]\nruling_per_cm = 60\nspread_um = 40\n[[area]]\ncoverage = 0.5\n";
+    let print = DYE.to_owned() + dots;
+    for field in ["area[0].coverage", "dots.spread_um", "resolution.accuracy", "light.step_nm"] {
+        let told = design("lab = [89, -8, 22]", &[(field, 0.1, 0.9)], "delta_e = 0.5", &print);
+        let told = plain(&run(folder.path(), &told));
+        let words = ["vary[0].field", field, "the solid that a design aims at", "[[area]] coverage = [0.1"];
+        assert!(words.iter().all(|word| told.contains(word)), "{words:?}: {told}");
+    }
+}
+
 /// *Planted*: each refusal left out.
 #[test]
 fn wishes_for_numbers_are_refused_with_a_remedy() {

@@ -2,7 +2,7 @@
 
 use super::papers::checked;
 use super::{BANDS, COMPOSED, Place};
-use crate::run_support::{TINY, results, study, succeed};
+use crate::run_support::TINY;
 use serde_json::Value;
 
 /// A brightener without yield and without excitation changes no digit of a study; one with both makes the print bluer, and

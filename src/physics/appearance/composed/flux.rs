@@ -11,6 +11,8 @@ use std::iter::{once, repeat_n};
 /// small reflectance need hundreds.
 const ROUNDS: usize = 2000;
 const REACHED: f64 = 1e-14;
+/// Share of the light that may be missing where rounds end before.
+const MISSING: f64 = 1e-6;
 
 /// States of light in a half-space. State 0 is the beam at 0°; the nodes follow, each with its
 /// polarisations; then the beam at an oblique angle, if there is one.
@@ -276,7 +278,7 @@ impl Sides {
     }
 
     /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on
-    /// all columns; then the beams' coherent parts take their places.
+    /// all columns, or where no scaling gives both the latter alone; then the beams' coherent parts take their places.
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
         let n = self.states();
         let weights = self.weights();
@@ -298,8 +300,22 @@ impl Sides {
                 break;
             }
         }
+        let scaled = |i: usize, j: usize| weights[i] * matrix[(i, j)] * scales[i] * scales[j];
+        let is_kept = |&j: &usize| {
+            let sum: f64 = nodes.iter().map(|&i| scaled(i, j)).sum();
+            (sum - 1.0 + absorbed[j]).abs() <= MISSING
+        };
+        let is_balanced = nodes.iter().all(is_kept);
         for &j in &nodes {
-            nodes.iter().for_each(|&i| all[(i, j)] = weights[i] * matrix[(i, j)] * scales[i] * scales[j]);
+            if is_balanced {
+                nodes.iter().for_each(|&i| all[(i, j)] = scaled(i, j));
+                continue;
+            }
+            // directions that a critical angle lies between: the energy, where both cannot be had
+            let share = (1.0 - absorbed[j]) / nodes.iter().map(|&i| all[(i, j)]).sum::<f64>();
+            if share.is_finite() && share > 0.0 {
+                nodes.iter().for_each(|&i| all[(i, j)] *= share);
+            }
         }
         for j in (0..n).filter(|&j| weights[j] == 0.0) {
             self.complete(all, j, absorbed[j], coherent);

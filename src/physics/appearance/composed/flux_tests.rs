@@ -85,3 +85,35 @@ fn nothing_is_changed_that_is_right() {
         assert!((all[(i, j)] - flux(i, j)).abs() < 1e-12, "{i} {j}");
     }
 }
+
+/// A face to a medium that is a little less dense, without nodes of their own for the directions beyond its critical angle: no
+/// symmetric scaling keeps the energy, and it is kept. *Planted*: what the rounds end with (R + T = −10).
+#[test]
+fn energy_is_kept_where_no_scaling_keeps_reciprocity_too() {
+    let medium = |index: f64| Hemisphere {
+        ordinates: Ordinates::new(index, &[], [3, 3]),
+        polarisations: 1,
+        oblique_deg: None,
+    };
+    let sides = Sides { media: [medium(1.5), medium(1.4805)], alike: false };
+    let n = sides.states();
+    let mut all: Mat<f64> = Mat::zeros(n, n);
+    for side in 0..2 {
+        for (node, &sine) in sides.media[side].ordinates.sines.iter().enumerate() {
+            let from = sides.first(side) + node + 1;
+            if sine > sides.media[1 - side].ordinates.index {
+                all[(from, from)] = 1.0;
+                continue;
+            }
+            for (to, share) in sides.media[1 - side].ordinates.shares(sine) {
+                all[(sides.first(1 - side) + to + 1, from)] = share;
+            }
+        }
+    }
+    sides.balance(&mut all, &vec![0.0; n], [[0.0; 2]; 2]);
+    for j in (0..n).filter(|&j| sides.weights()[j] > 0.0) {
+        let sum: f64 = (0..n).map(|i| all[(i, j)]).sum();
+        // rounding
+        assert!((sum - 1.0).abs() < 1e-12, "{j}: {sum}");
+    }
+}
