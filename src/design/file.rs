@@ -82,8 +82,8 @@ pub struct NumberTargetTable {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VaryTable {
-    /// Dotted field, as in a sweep. Of a base composed of slabs the smallest `layer.thickness_um`
-    /// sets the slabs of all.
+    /// Dotted field, as in a sweep, of the layer, its pigments or the paper: a design aims at the
+    /// solid. Of a base composed of slabs the smallest `layer.thickness_um` sets the slabs of all.
     pub field: Option<String>,
     /// Two pigments instead, by their names: the first one's part of the sum of both volume
     /// fractions.
