@@ -167,7 +167,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
 }
 
-/// What is told of a sweep over the dots of a print.
+/// The remark of a sweep over the dots of a print.
 const OF_DOTS: &str = "an axis varies the dots of a print: the colours, charts and sheets of a sweep are those of the solid, and the tints are \
      in the results of every variant (`prints`); a list of coverages in one run has a whole ramp";
 

@@ -278,7 +278,8 @@ impl Sides {
     }
 
     /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on
-    /// all columns, or where no scaling gives both the latter alone; then the beams' coherent parts take their places.
+    /// all columns, or the energy alone where no scaling gives both. The beams' coherent parts then
+    /// take their places.
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
         let n = self.states();
         let weights = self.weights();
