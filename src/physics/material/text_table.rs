@@ -8,7 +8,7 @@ mod wavelength_column;
 
 pub use encoding::{read_text, with_line_feeds};
 pub use separator::{Separator, number};
-pub use wavelength_column::wavelength_factor;
+pub use wavelength_column::{numbered_wavelength_factor, wavelength_factor};
 
 use crate::numerics::files::FileError;
 use separator::guessed;
@@ -187,7 +187,7 @@ impl TextTable {
     fn is_of_later_pair(&self, line: &TextLine, names: &[String]) -> bool {
         let mut pairs = names.iter().zip(&line.cells).skip(1);
         let goes_on = |(name, cell): (&String, &String)| {
-            wavelength_factor(name).is_some() && self.number(cell).is_some()
+            numbered_wavelength_factor(name).is_some() && self.number(cell).is_some()
         };
         line.cells[0].is_empty() && pairs.any(goes_on)
     }
@@ -196,7 +196,7 @@ impl TextTable {
     /// there are several columns of wavelengths, missing.
     fn fitted(&self, line: &TextLine, width: usize, names: &[String]) -> Result<TextLine, FileError> {
         let mut row = line.clone();
-        let wavelengths = names.iter().filter(|name| wavelength_factor(name).is_some()).count();
+        let wavelengths = names.iter().filter(|name| numbered_wavelength_factor(name).is_some()).count();
         if wavelengths > 1 && row.cells.len() < width {
             row.cells.resize(width, String::new());
         }

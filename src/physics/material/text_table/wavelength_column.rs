@@ -25,6 +25,14 @@ pub fn wavelength_factor(name: &str) -> Option<f64> {
     (quantity || only_unit).then(|| unit.unwrap_or(1.0))
 }
 
+/// As [`wavelength_factor`], of a name that may be numbered: spreadsheets number equal names, as in
+/// `nm.1` and `nm_2`.
+pub fn numbered_wavelength_factor(name: &str) -> Option<f64> {
+    let unnumbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let unnumbered = unnumbered.trim_end_matches(['.', '_', ' ', '-', '#']);
+    wavelength_factor(name).or_else(|| wavelength_factor(unnumbered))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

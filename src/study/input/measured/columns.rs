@@ -3,7 +3,7 @@
 use super::quantity::{declared, declared_quantity, other_quantity};
 use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, Written};
 use super::words::{self, MeasuredKind};
-use crate::material::text_table::{Separator, TableBlock, TextLine, TextTable, wavelength_factor};
+use crate::material::text_table::{Separator, TableBlock, TextLine, TextTable, numbered_wavelength_factor};
 
 /// Wavelengths, nm, that no reflectance in percent reaches.
 const WAVELENGTHS_NM: std::ops::RangeInclusive<f64> = 200.0..=2600.0;
@@ -91,12 +91,9 @@ struct WavelengthColumn {
 }
 
 impl WavelengthColumn {
-    /// The column at a place, if its name says so; spreadsheets number equal names: `nm.1`, `nm_2`.
+    /// The column at a place, if its name says so.
     fn of(place: usize, name: &str) -> Option<Self> {
-        let unnumbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        let unnumbered = unnumbered.trim_end_matches(['.', '_', ' ', '-', '#']);
-        let factor = wavelength_factor(name).or_else(|| wavelength_factor(unnumbered))?;
-        Some(Self { place, factor })
+        Some(Self { place, factor: numbered_wavelength_factor(name)? })
     }
 
     /// The wavelength of a row, nm.
