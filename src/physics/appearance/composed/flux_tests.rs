@@ -87,8 +87,8 @@ fn nothing_is_changed_that_is_right() {
 }
 
 /// A face to a medium that is a little less dense, without nodes for the directions beyond its
-/// critical angle: no symmetric scaling keeps the energy, and it is kept. *Planted*: what the rounds
-/// end with (R + T = −10).
+/// critical angle: no symmetric scaling keeps the energy, and it is kept. *Planted*: what the
+/// rounds end with (R + T = −10).
 #[test]
 fn energy_is_kept_where_no_scaling_keeps_reciprocity_too() {
     let medium = |index: f64| Hemisphere {
