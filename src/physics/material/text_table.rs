@@ -48,8 +48,8 @@ pub struct TableBlock {
     pub preamble: Vec<String>,
     /// The header as written; empty if the block has none.
     pub names: Vec<String>,
-    /// Rows with equally many cells. The first is a number; of several pairs of a wavelength and its
-    /// value the first may be at its end, and is empty then.
+    /// Rows with equally many cells. The first is a number; of several pairs of a wavelength and
+    /// its value the first may be at its end, and is empty then.
     pub rows: Vec<TextLine>,
 }
 
