@@ -44,9 +44,9 @@ pub struct StackMedia {
     /// In front of layer k: for k = 0 the incident side, else the joint with the layer before; and
     /// the exit side.
     pub joints: Vec<f64>,
-    /// What inner slabs of layer k are solved between; of a clear layer its own index. Between plane
-    /// faces it is that of the joints or more: of a medium that is less dense, the joints' directions
-    /// would have a critical angle between nodes, and their fluxes no balance.
+    /// What inner slabs of layer k are solved between; of a clear layer its own index. Between
+    /// plane faces it is that of the joints or more: of a medium that is less dense, the joints'
+    /// directions would have a critical angle between nodes, and their fluxes no balance.
     pub within: Vec<f64>,
     /// In front of the stack and behind it, where plane faces lead from there to joints of one
     /// index; `None` where the outermost layers are solved with what surrounds the stack.
