@@ -20,7 +20,7 @@ fn generated_pages_are_as_they_were_generated() {
 }
 
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
-const OLDER: [(&str, &str); 11] = [
+const OLDER: [(&str, &str); 10] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 14 leave alone"),
     (
         "reports/comparison",
@@ -40,10 +40,6 @@ const OLDER: [(&str, &str); 11] = [
         "three hours of a core; its one uneven case is of the coarser mean before method 12, unmeasured since",
     ),
     ("reports/speed", "costs of layers solved at once, which methods 10 to 14 leave alone"),
-    (
-        "reports/print",
-        "even layers of 0.7 to 1.4 µm, solved at once; films of 0.5 to 2 µm were right to 4e-6 before method 12",
-    ),
     ("reports/white-paint", "pages of composed layers leave the method to results.json"),
     ("reports/scalar-against-vector", "half an hour of processor time"),
     ("reports/measured", "measurements beside formulas, without a solve"),
