@@ -381,7 +381,7 @@ class Library:
         """
         listed = [compositions] if isinstance(compositions, Mapping) else list(compositions)
         if not listed:
-            raise InputError("found no composition; allowed is one, or a list of one or more")
+            raise InputError("found no composition; allowed is one, or a list of one or more: {'layers': [{'plate': NAME}]}")
         jobs = [self._job(composition, number) for number, composition in enumerate(listed)]
         eyes = [self._eye(composition) for composition in listed]
         if self._wave == "scalar" and any(job.contact and job.printed is not None for job in jobs) and self.joint_index != 1.0:
@@ -415,15 +415,15 @@ class Library:
         _judge_keys(composition, ("layers", "paper", "dots", "illuminant", "observer", "condition"), where)
         if composition.get("condition") not in _CONDITIONS:
             raise InputError(f"{where}condition: found {composition['condition']!r}; allowed are M0, M1, M2, or none for the "
-                             "illuminant's light")
+                             "illuminant's light: leave the key out for that")
         if isinstance(composition["layers"], (str, Mapping)):
-            raise InputError(f"{where}layers: found no list; allowed is [{{'plate': NAME}}, …]")
+            raise InputError(f"{where}layers: found no list; allowed is [{{'plate': NAME}}, …]: put a single layer in brackets")
         layers = tuple(self._layer(layer, f"{where}layers[{k}]") for k, layer in enumerate(composition["layers"]))
         paper = composition.get("paper", {})
         _judge_keys(paper, ("albedo", "contact", "fluorescence"), f"{where}paper.")
         contact = paper.get("contact", False)
         if not isinstance(contact, (bool, np.bool_)):
-            raise InputError(f"{where}paper.contact: found {contact!r}; allowed are True and False")
+            raise InputError(f"{where}paper.contact: found {contact!r}; allowed are True and False: write them without quotation marks")
         albedo = self._albedo(paper.get("albedo", 0.9), self.wavelengths_nm, where)
         light = None
         if paper.get("fluorescence") is not None:
@@ -439,17 +439,19 @@ class Library:
         try:
             albedo = np.array(given, float)
         except (TypeError, ValueError):
-            raise InputError(f"{where}paper.albedo: found {given!r}; allowed is a number, or rows of nm and albedo") from None
+            raise InputError(f"{where}paper.albedo: found {given!r}; allowed is a number, or rows of nm and albedo: "
+                             "numpy.loadtxt reads such rows") from None
         if albedo.ndim == 2:
             if albedo.shape[1] != 2 or not (np.diff(albedo[:, 0]) > 0).all():
-                raise InputError(f"{where}paper.albedo: found {albedo.tolist()}; allowed are rows of nm and albedo, with rising nm")
+                raise InputError(f"{where}paper.albedo: found {albedo.tolist()}; allowed are rows of nm and albedo, with rising nm: "
+                                 "sort them")
             if not (albedo[0, 0] <= self.wavelengths_nm[0] and albedo[-1, 0] >= self.wavelengths_nm[-1]):
                 raise InputError(f"{where}paper.albedo: found {albedo[0, 0]} to {albedo[-1, 0]} nm; extend the table")
             albedo = np.interp(nm, albedo[:, 0], albedo[:, 1])
         if albedo.ndim > 2 or albedo.ndim == 1 and albedo.size not in (1, nm.size):
             raise InputError(f"{where}paper.albedo: found {albedo.size} values; allowed is one, or rows of nm and albedo")
         if not ((albedo >= 0) & (albedo <= 1)).all():
-            raise InputError(f"{where}paper.albedo: found {albedo}; allowed 0 to 1")
+            raise InputError(f"{where}paper.albedo: found {albedo}; allowed 0 to 1: divide percentages by 100")
         return np.array(np.broadcast_to(albedo, nm.shape))
 
     def _power(self, composition: Mapping[str, Any], where: str) -> np.ndarray:
@@ -474,14 +476,15 @@ class Library:
         layer = {"plate": layer} if isinstance(layer, str) else layer
         _judge_keys(layer, ("plate", "thickness_um", "coverage"), f"{where}.")
         if layer.get("plate") not in self._numbers:
-            raise InputError(f"{where}.plate: found {layer.get('plate')!r}; allowed are {', '.join(self._numbers)}")
+            raise InputError(f"{where}.plate: found {layer.get('plate')!r}; allowed are {', '.join(self._numbers)}: "
+                             "gather a library that has it")
         number = self._numbers[layer["plate"]]
         plate, um = self._plates[number], layer.get("thickness_um")
         own = plate["thickness_um"]
         if um is None:
             return number, 2.0 if plate["slabs"] else 1.0
         if not _is_number(um):
-            raise InputError(f"{where}.thickness_um: found {um!r}; allowed is a number, µm")
+            raise InputError(f"{where}.thickness_um: found {um!r}; allowed is a number, µm: give it without its unit")
         if not plate["slabs"]:
             if abs(um - own) > 1e-6 * own:
                 raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed {own}, as which it was solved whole: "
@@ -490,7 +493,8 @@ class Library:
         count = um / own
         count = float(round(count)) if abs(count - round(count)) < 1e-9 * count else count
         if not 2.0 <= count <= _MOST_SLABS:
-            raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed from {2 * own} µm, two slabs")
+            raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed from {2 * own} µm, two slabs: "
+                             "solve thinner slabs for thinner layers")
         return number, count
 
     # one layer as fluxes and as a film
@@ -1332,9 +1336,10 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
         for key, rows, most in (("excitation", excitation, 1.0), ("emission", emission, np.inf)):
             sound = rows.ndim == 2 and rows.shape[1:] == (2,) and len(rows) >= 2 and (np.diff(rows[:, 0]) > 0).all()
             if not (sound and ((rows[:, 1] >= 0) & (rows[:, 1] <= most)).all()):
-                raise InputError(f"{field}.{key}: found {given[key]}; allowed are two or more rows [nm, value], rising, values from 0")
+                raise InputError(f"{field}.{key}: found {given[key]}; allowed are two or more rows [nm, value], rising, values from 0: "
+                                 "sort them, and set noise below 0 to 0")
         if not 0 <= given["yield"] <= 1:
-            raise InputError(f"{field}.yield: found {given['yield']}; allowed 0 to 1")
+            raise InputError(f"{field}.yield: found {given['yield']}; allowed 0 to 1, quanta emitted for each absorbed: divide percentages by 100")
         area = float((0.5 * np.diff(emission[:, 0]) * (emission[1:, 1] + emission[:-1, 1])).sum())
         scale = given["yield"] / area if area > 0 else 0.0
         active = _active(excitation[:, 1] > 0)
@@ -1393,7 +1398,7 @@ def _judge_keys(table: Any, allowed: Sequence[str], where: str) -> None:
         raise InputError(f"{where.rstrip('. :')}: found {table!r}; allowed is a dictionary of {', '.join(allowed)}")
     unknown = [key for key in table if key not in allowed]
     if unknown:
-        raise InputError(f"{where}{unknown[0]}: found an unknown key; allowed are {', '.join(allowed)}")
+        raise InputError(f"{where}{unknown[0]}: found an unknown key; allowed are {', '.join(allowed)}: correct or remove it")
 
 
 def _printed(composition: Mapping[str, Any], where: str) -> Optional[_Print]:
@@ -1402,7 +1407,8 @@ def _printed(composition: Mapping[str, Any], where: str) -> Optional[_Print]:
     inks = [(k, layer["coverage"]) for k, layer in enumerate(layers) if isinstance(layer, Mapping) and layer.get("coverage") is not None]
     if dots is None:
         if inks:
-            raise InputError(f"{where}layers[{inks[0][0]}].coverage: found one without a screen; allowed beside dots")
+            raise InputError(f"{where}layers[{inks[0][0]}].coverage: found one without a screen; allowed beside dots: "
+                             "add 'dots': {'ruling_per_cm': 60, 'spread_um': 40}")
         return None
 
     def judge(name: str, value: Any, least: float, most: float) -> None:

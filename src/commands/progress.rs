@@ -221,6 +221,7 @@ impl RunWatch for Progress {
                 self.bar.set_message(what.to_owned());
                 self.plain.then(|| note!("{what}"));
             }
+            Event::Grid(_) => {}
             Event::Begun => self.stop.end_at_once(false),
             Event::Over => self.stop.end_at_once(true),
             Event::Standing(standing) => self.standing(standing),

@@ -182,6 +182,7 @@ impl Watch for Stopper<'_> {
 
     fn grid(&mut self, trial: &GridTrial) {
         self.0.stage(&format!("grid: {trial}"));
+        self.0.hear(Event::Grid(trial));
     }
 }
 

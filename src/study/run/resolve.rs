@@ -151,7 +151,10 @@ pub fn resolve(
         Probing { study, realisation, draw, scene, memory, watch }
     };
     let mut resolved = settle(&on(scenes[0].0, &scenes[0].1))?;
-    let differences = scenes.iter().map(|(r, scene)| grid_differences(&on(*r, scene), &resolved));
+    let differences = scenes.iter().enumerate().map(|(k, (r, scene))| {
+        watch.stage(&format!("comparing two grids on packing {}/{}", k + 1, scenes.len()));
+        grid_differences(&on(*r, scene), &resolved)
+    });
     resolved.grid_error = GridError::from_differences(&differences.collect::<Result<Vec<_>, _>>()?);
     store.put(key(study).as_str(), &resolved)?;
     lists::keep_for_shorter_lists(study, &resolved, store)?;

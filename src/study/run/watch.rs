@@ -2,6 +2,7 @@
 
 use crate::ink::PackError;
 use crate::input::study::{Point, Study};
+use crate::solve::GridTrial;
 use crate::solve::accuracy::AccuracyError;
 use crate::solve::demand::TooLarge;
 use crate::store::folder::FolderError;
@@ -14,6 +15,8 @@ use std::io;
 pub enum Event<'a> {
     /// A stage other than the solves begins, such as "packing realisation 2".
     Stage(&'a str),
+    /// The search of a grid, which has its own stage, tries one or knows its error.
+    Grid(&'a GridTrial),
     /// Packing and solving begin: what is under way ends in order when the run is stopped.
     Begun,
     /// No packing or solve is under way; what follows uses what is stored, so nothing is lost if

@@ -1,6 +1,7 @@
 //! Estimates the cost of studies before they run, calibrated by a few of their own solves.
 
 mod scaled;
+mod search;
 mod trial;
 mod usual_grid;
 
@@ -11,6 +12,7 @@ use crate::run::resolve::{self, size};
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
+use crate::solve::{Size, Solver};
 use crate::store::identity::Key;
 use crate::work::variant::{Variant, solved_for};
 use scaled::scaled;
@@ -32,8 +34,8 @@ const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 /// Largest expected factor between cost and forecast, either way, where every kind of solve was
 /// tried: small cells, few packings, and processors whose speed depends on what else they do.
 const TRIED_FACTOR: f64 = 2.5;
-/// That factor where solves were tried on the usual grid for such waves, because no search of the
-/// grid ended in time.
+/// That factor where the grid is what an unfinished search suggests, or the usual one for such
+/// waves.
 const USUAL_GRID_FACTOR: f64 = 4.0;
 /// That factor where a cost follows from unknowns and usual numbers of operator applications.
 const BY_SIZE_FACTOR: f64 = 10.0;
@@ -72,7 +74,8 @@ pub struct Plan {
 /// their solves. One of them is also solved at full size, which gives the ratio of the costs per
 /// µm³. Everything else is scaled by volume. For each requested resolution the grid is searched
 /// once, for the fewest grains; the other variants use the same grid. Where the search exceeds its
-/// time, solves are tried on the usual grid for such waves; a trial without any solve in time is
+/// time, the errors and the cost of the grids tried tell what the next would need; if there are
+/// none, solves are tried on the usual grid for such waves; a trial without any solve in time is
 /// replaced by an estimate from unknowns and operator applications.
 ///
 /// # Errors
@@ -153,7 +156,7 @@ fn costed(
         let study = &trial.variant.study;
         let r = full_resolution(trial, study);
         unknowns = unknowns.max(r.nx * r.ny * r.planes());
-        most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
+        most_bytes = most_bytes.max(bytes(&size(study, r), &*study.solver.build(), settings));
     }
     let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
     let units = units(variants).len();
@@ -173,6 +176,14 @@ fn costed(
         calibration,
         out_of_reach,
     }
+}
+
+/// Memory of a solve beside others at a time, or alone; if neither is enough, what it would need.
+fn bytes(size: &Size, solver: &dyn Solver, settings: RunSettings) -> f64 {
+    let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads).max(1) as f64;
+    let within = |bytes: f64| size.admit(solver, bytes).map(|admitted| admitted.bytes);
+    let alone = within(settings.memory / jobs).or_else(|_| within(settings.memory));
+    alone.unwrap_or_else(|too_large| 1e9 * too_large.need_gb)
 }
 
 /// Why the available cores and memory do not suffice; `None` if they do.
@@ -212,7 +223,7 @@ fn in_words(trials: &[Trial]) -> String {
     let unsearched = trials.iter().filter(|trial| !trial.has_grid).map(|trial| trial.variant);
     let usual = match self::names(unsearched) {
         none if none.is_empty() => String::new(),
-        some => format!(" (on the usual grid of such waves, as no search of a grid ended in time: {some})"),
+        some => format!(" (on a likely grid, as no search of one ended in time: {some})"),
     };
     format!("trial solves of {names} in cells of up to {widest} µm{usual}, scaled by volume")
 }

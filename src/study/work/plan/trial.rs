@@ -1,5 +1,6 @@
 //! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
+use super::search::SearchWatch;
 use super::usual_grid::usual_grid;
 use crate::ink::{Packing, PigmentGrains};
 use crate::input::check::largest_extents_nm;
@@ -36,7 +37,7 @@ const SPREAD: f64 = 0.618;
 const CUT_SHORT: f64 = 0.5;
 /// Work on a test solve with the companions of its error estimate, in solves: they have four fifths
 /// of the points, or of the cells.
-const WITH_ESTIMATE: f64 = 2.4;
+pub(super) const WITH_ESTIMATE: f64 = 2.4;
 /// Work on a test solve and on the same one on four fifths of points and cells, in solves.
 const WITH_COARSER: f64 = 1.5;
 /// Work on the search of a grid of which no search has ended, in test solves with their companions.
@@ -112,8 +113,13 @@ pub fn trial<'a>(
     let mut packings = Packings::new(&study, watch);
     let (packing, placed) = timed(|| packings.get(0))?;
     let chosen = choose_grid(&study, &Scene::from_packing(&placed), alike, watch)?;
-    let (coverage, covers) = timed(|| covers(&study, placed, chosen.grids, watch))?;
-    let solve = time_solves(&study, &covers, watch)?;
+    let (coverage, solve) = match chosen.solve_seconds {
+        Some(solve) => (0.0, solve),
+        None => {
+            let (coverage, covers) = timed(|| covers(&study, placed, chosen.grids, watch))?;
+            (coverage, time_solves(&study, &covers, watch)?)
+        }
+    };
     let measured = chosen.seconds.map(|seconds| seconds / (coverage + solve).max(1e-9));
     let search = measured.or(alike.map(|trial| trial.search)).unwrap_or_else(|| {
         let searches = if chosen.is_known { 1.0 } else { SEARCHES };
@@ -164,14 +170,23 @@ fn grid_of((_, (finest, longer_waves)): &Covers, study: &Study, point: &Point) -
 struct ChosenGrid {
     /// Core seconds of the search, where one has ended.
     seconds: Option<f64>,
-    /// Whether it is the grid of a run; otherwise the usual one for such waves.
+    /// Whether it is the grid of a run; otherwise one that an unfinished search suggests, or the
+    /// usual one for such waves.
     is_known: bool,
     /// The grid, and its coarsening for longer waves.
     grids: (Resolution, f64),
+    /// Core seconds of a solve with its coverage, where an unfinished search suggests them.
+    solve_seconds: Option<f64>,
+}
+
+impl ChosenGrid {
+    fn known(seconds: Option<f64>, grids: (Resolution, f64)) -> Self {
+        Self { seconds, is_known: true, grids, solve_seconds: None }
+    }
 }
 
 /// The requested grid, that of an earlier trial, or the one that a search finds in half of the time
-/// that is left; otherwise the usual one for such waves.
+/// that is left; otherwise what the search suggests, or the usual one for such waves.
 fn choose_grid(
     study: &Study,
     scene: &Scene,
@@ -179,22 +194,25 @@ fn choose_grid(
     watch: &Deadline,
 ) -> Result<ChosenGrid, RunError> {
     if let Some(given) = given_grid(study) {
-        return Ok(ChosenGrid { seconds: None, is_known: true, grids: (given, 0.0) });
+        return Ok(ChosenGrid::known(None, (given, 0.0)));
     }
     if let Some(trial) = alike {
         let grids = (full_resolution(trial, study), trial.longer_waves);
-        return Ok(ChosenGrid { seconds: None, is_known: trial.has_grid, grids });
+        return Ok(ChosenGrid { is_known: trial.has_grid, ..ChosenGrid::known(None, grids) });
     }
-    let half = watch.part(2);
+    let search = SearchWatch::new(watch.part(2));
     let store = Store::in_memory()?;
-    let searched = timed(|| resolve(study, &store, memory::usable(), &half, |_| Ok(scene.clone())));
+    let searched = timed(|| resolve(study, &store, memory::usable(), &search, |_| Ok(scene.clone())));
     match searched.map_err(RunError::stopped) {
         Ok((seconds, found)) => {
             let grids = (found.for_cell(&study.draw(0)), found.longer_waves);
-            Ok(ChosenGrid { seconds: Some(seconds), is_known: true, grids })
+            Ok(ChosenGrid::known(Some(seconds), grids))
         }
         Err(RunError::Stopped) if !watch.stop() => {
-            Ok(ChosenGrid { seconds: None, is_known: false, grids: (usual_grid(study), 0.0) })
+            let suggested = search.suggestion(study);
+            let grid = suggested.map_or_else(|| usual_grid(study), |(grid, _)| grid);
+            let solve_seconds = suggested.map(|(_, seconds)| seconds);
+            Ok(ChosenGrid { is_known: false, solve_seconds, ..ChosenGrid::known(None, (grid, 0.0)) })
         }
         Err(error) => Err(error),
     }
