@@ -1,5 +1,6 @@
 //! Estimates the cost of studies before they run, calibrated by a few of their own solves.
 
+mod deadline;
 mod scaled;
 mod search;
 mod trial;
@@ -15,12 +16,13 @@ use crate::solve::demand::memory_in_words;
 use crate::solve::{Size, Solver};
 use crate::store::identity::Key;
 use crate::work::variant::{Variant, solved_for};
+use deadline::{Deadline, PlanClock};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
 use trial::{
-    Deadline, MOST_GRAINS, PlanClock, Trial, covers, density, drawn_volume_um3, full_resolution, grains,
-    in_small_cell, time_solves, trial,
+    MOST_GRAINS, Trial, covers, density, drawn_volume_um3, full_resolution, grains, in_small_cell,
+    time_solves, trial,
 };
 
 /// Maximum number of trial variants.

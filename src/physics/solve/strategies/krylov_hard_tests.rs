@@ -138,15 +138,15 @@ fn strong_scatterers_of_the_vector_wave_are_eliminated() {
     assert_eq!(after.field, alone.field);
 }
 
-/// Scarce memory is shared between the first basis and the elimination. *Planted*: all of it for the
-/// basis, with which restarts stall.
+/// Scarce memory is shared between the first basis and the elimination.
+/// *Planted*: all of it for the basis, with which restarts stall.
 #[test]
 fn scarce_memory_leaves_room_for_the_elimination() {
     let [s, _] = hard_in_vector_mode(2.7);
     let resolution = Resolution { nx: 16, ny: 16, cells: 14, scheme: Scheme::Quadratic };
     let layer_um = [0.8, 0.8, 0.9];
     let size = Size { resolution, channels: 1, crystals: 0, layer_um, wavenumbers: [0.0; 2], vector: true };
-    let goal = Goal { tolerance: 1e-4, max_applications: 300, ..Goal::default() };
+    let goal = Goal { tolerance: 1e-4, max_applications: 300 };
     let plan = VectorCoarsePlan::within(s.vector().expect("a vector wave"), f64::INFINITY);
     let elimination = plan.expect("a plan").bytes() / size_of_val(flat(&s.background_wave())) as f64;
     let vectors = elimination + SHORT_RESTART as f64 + 1.0;

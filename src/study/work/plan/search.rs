@@ -1,6 +1,6 @@
 //! What a search of a grid that was cut short says about the grid that it would have found.
 
-use super::trial::{Deadline, WITH_ESTIMATE};
+use super::deadline::Deadline;
 use crate::input::study::Study;
 use crate::run::crew::processor_seconds;
 use crate::run::watch::{Event, RunWatch};
@@ -8,6 +8,10 @@ use crate::solve::GridTrial;
 use crate::solve::accuracy::grid_error::scaled;
 use crate::wave::Resolution;
 use std::sync::Mutex;
+
+/// Work on a test solve with the companions of its error estimate, in solves: they have four fifths
+/// of the points, or of the cells.
+pub(super) const WITH_ESTIMATE: f64 = 2.4;
 
 /// A search of a grid that its deadline may end: what its last grid tells of the next.
 pub(super) struct SearchWatch<'a> {
@@ -60,7 +64,7 @@ impl RunWatch for SearchWatch<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::PlanClock;
+    use super::super::deadline::PlanClock;
     use super::*;
     use crate::input::check::check;
     use crate::wave::Scheme;

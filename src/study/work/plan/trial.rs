@@ -1,6 +1,7 @@
 //! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
-use super::search::SearchWatch;
+use super::deadline::Deadline;
+use super::search::{SearchWatch, WITH_ESTIMATE};
 use super::usual_grid::usual_grid;
 use crate::ink::{Packing, PigmentGrains};
 use crate::input::check::largest_extents_nm;
@@ -13,7 +14,7 @@ use crate::run::memory;
 use crate::run::point::{Grids, PointSolver};
 use crate::run::realisation::Packings;
 use crate::run::resolve::{given_grid, packings_compared, probed_solves, resolve};
-use crate::run::watch::{Event, RunWatch};
+use crate::run::watch::RunWatch;
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
@@ -35,9 +36,6 @@ const LEAST_PROBLEMS: usize = 8;
 const SPREAD: f64 = 0.618;
 /// Part of the work on an unfinished solve that counts where a deadline cuts it short.
 const CUT_SHORT: f64 = 0.5;
-/// Work on a test solve with the companions of its error estimate, in solves: they have four fifths
-/// of the points, or of the cells.
-pub(super) const WITH_ESTIMATE: f64 = 2.4;
 /// Work on a test solve and on the same one on four fifths of points and cells, in solves.
 const WITH_COARSER: f64 = 1.5;
 /// Work on the search of a grid of which no search has ended, in test solves with their companions.
@@ -292,65 +290,4 @@ pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let r = trial.resolution;
     let cells = needed(r.cells, wanted.thickness_um / tried.thickness_um);
     Resolution { nx: points(r.nx, 0), ny: points(r.ny, 1), cells, ..r }
-}
-
-/// Time since a plan began: that of the clock on the wall, or where other programs take the
-/// processor's, that of the processor, but at least a third of the wall's.
-#[derive(Clone, Copy)]
-pub(super) struct PlanClock {
-    began: Instant,
-    /// Processor seconds at the beginning.
-    used: Option<f64>,
-}
-
-/// Seconds on the wall in which a plan uses at least one second of its time.
-const SLOWEST: f64 = 3.0;
-
-impl PlanClock {
-    /// Starts now.
-    pub fn start() -> Self {
-        Self { began: Instant::now(), used: processor_seconds() }
-    }
-
-    /// Seconds since the start.
-    fn seconds(self) -> f64 {
-        let wall = self.began.elapsed().as_secs_f64();
-        let used = processor_seconds().zip(self.used).map_or(wall, |(now, before)| now - before);
-        used.clamp(wall / SLOWEST, wall)
-    }
-
-    /// Whether this time has passed.
-    fn has_passed(self, seconds: f64) -> bool {
-        self.began.elapsed().as_secs_f64() >= seconds && self.seconds() >= seconds
-    }
-}
-
-/// Forwards the events of a trial and stops it in time.
-pub(super) struct Deadline<'a> {
-    /// Stops on the user's request alone.
-    pub watch: &'a dyn RunWatch,
-    /// Solves at a time.
-    pub jobs: usize,
-    /// The time since the plan began.
-    pub clock: PlanClock,
-    /// When to stop, s of that time.
-    pub end: f64,
-}
-
-impl Deadline<'_> {
-    /// A deadline after an equal share of the time left, for the next of several trials.
-    pub fn part(&self, trials: usize) -> Self {
-        let now = self.clock.seconds();
-        Self { end: now + (self.end - now).max(0.0) / trials.max(1) as f64, ..*self }
-    }
-}
-
-impl RunWatch for Deadline<'_> {
-    fn stop(&self) -> bool {
-        self.clock.has_passed(self.end) || self.watch.stop()
-    }
-
-    fn hear(&self, event: Event) {
-        self.watch.hear(event);
-    }
 }
