@@ -45,8 +45,8 @@ const GUIDED_SHARE: f64 = 0.3;
 /// Shortest basis with which restarts still converge.
 const LEAST_RESTART: usize = 20;
 /// Share of scarce memory for the first basis of the vector wave, which is no shorter than
-/// `SHORT_RESTART`: strong scatterers need the rest for the elimination of the lowest harmonics. With all of it in a basis
-/// of 110 vectors, 15 % of n = 2.5, 250 nm, 2.4 µm, 620 nm under Maxwell's equations was not solved
+/// `SHORT_RESTART`: strong scatterers need the rest for the elimination of the lowest harmonics.
+/// With all of it in a basis of 110 vectors, 15 % of n = 2.5, 250 nm, 2.4 µm, 620 nm was not solved
 /// in 9 processor minutes; with this share it takes 20 s.
 const FIRST_SHARE: f64 = 0.4;
 const SHORT_RESTART: usize = 40;
