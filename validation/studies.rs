@@ -14,6 +14,7 @@ use inkwave::store::marker::Holds;
 use inkwave::work::alone::{run_portions, run_study};
 use serde_json::Value;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A study with all that follows from its solves.
 pub struct Done {
@@ -21,6 +22,23 @@ pub struct Done {
     pub seen: Seen,
     /// `results.json`.
     pub results: Value,
+}
+
+/// Runs studies, whose numbers begin at 0, on as many plain threads as there are cores. In rayon's loops a study that waits
+/// for its solves would begin another on the same stack, until hundreds have overflowed it.
+pub fn side_by_side<T: Send>(count: usize, run: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let mine = || {
+        let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        numbers.take_while(|&number| number < count).map(|number| (number, run(number))).collect::<Vec<_>>()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut all: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let all: Vec<_> = (0..threads).map(|_| scope.spawn(mine)).collect();
+        all.into_iter().flat_map(|thread| thread.join().expect("no study panics")).collect()
+    });
+    all.sort_by_key(|&(number, _)| number);
+    all.into_iter().map(|(_, one)| one).collect()
 }
 
 /// Checks and runs a study file's text in a folder of its own.

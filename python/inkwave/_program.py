@@ -69,7 +69,8 @@ _SOLVES = re.compile(r"^(\d+)/(\d+) solves, (.*)$")
 _STAGES = (
     r"coarse table of n and κ|search over both branches of n|linearisation \d+ on all cells|predictions of other layers|verifying run \d+: |"
     r"variant \d+/\d+: |tabulating the material|packing realisation \d+|solving for the near field|evaluating the layer|calibrating with |"
-    r"\d+ solves at a time instead of|estimating the error of the grid|grid: |grid tried: ")
+    r"\d+ solves at a time instead of|estimating the error of the grid|comparing two grids on packing |"
+    r"grid: |grid tried: ")
 _SAID = (
     r"still working after|\d+ solves in \d+ s: |\d+ of \d+ solves were already stored$|the workers of this process waited|\d+ grids taken from |"
     r"\S+ shows the finished solves|verified: |recipes of nearly equal colour: |median prediction error of the response|to resume: |Stopped;|Stopping|"

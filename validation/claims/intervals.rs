@@ -4,9 +4,8 @@ mod seeds;
 mod small;
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason, Table};
-use crate::studies::{apart_from_the_grid, estimate};
+use crate::studies::{apart_from_the_grid, estimate, side_by_side};
 use inkwave::numerics::estimate::Estimate;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use small::{Cells, Known, Shift, Small};
 use std::path::Path;
@@ -168,9 +167,9 @@ fn small_studies(
 ) {
     let wavelengths = level.pick(4, 8);
     let run = |seed, factor| Small::run(ink.study, cells, wavelengths, 1001 + seed, factor);
-    let studies: Vec<Small> = (0..seeds).into_par_iter().map(|seed| run(seed, 1.0)).collect();
-    let shift = |seed: u64| Shift::of(&studies[seed as usize], &run(seed, 2.0), truth);
-    let shifts: Vec<Shift> = (0..finer).into_par_iter().map(shift).collect();
+    let studies: Vec<Small> = side_by_side(seeds as usize, |seed| run(seed as u64, 1.0));
+    let shift = |seed: usize| Shift::of(&studies[seed], &run(seed as u64, 2.0), truth);
+    let shifts: Vec<Shift> = side_by_side(finer as usize, shift);
     let known = Known::of_truth(truth);
     let deviations = |results: fn(&Small) -> &Value, known: &Known| -> Vec<Deviations> {
         studies.iter().map(|small| Deviations::of(results(small), truth, known)).collect()

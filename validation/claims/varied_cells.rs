@@ -1,9 +1,8 @@
 //! Small cells of varied size, shape and azimuth have no bias, and the parts of the error fall with what they come from.
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
-use crate::studies::{apart_from_the_grid, done, estimate, row};
+use crate::studies::{apart_from_the_grid, done, estimate, row, side_by_side};
 use inkwave::numerics::estimate::Estimate;
-use rayon::prelude::*;
 use serde_json::Value;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -113,8 +112,7 @@ fn windows(findings: &mut Findings) {
         Reason::Significance,
         because,
     );
-    let alone: Vec<f64> =
-        (0..480).into_par_iter().map(|seed| transmittance(&absorbing(1.6, 1, 100 + seed))[0]).collect();
+    let alone: Vec<f64> = side_by_side(480, |seed| transmittance(&absorbing(1.6, 1, 100 + seed as u64))[0]);
     let alone = Estimate::of_mean(&alone);
     let alone_error = alone.standard_error.expect("many cells");
     findings.check(

@@ -2,8 +2,7 @@
 
 use super::{CHANCE, SPREAD};
 use crate::claim::{Bound, Findings, Reason};
-use crate::studies::apart_from_the_grid;
-use rayon::prelude::*;
+use crate::studies::{apart_from_the_grid, side_by_side};
 use serde_json::Value;
 
 /// A red ink in optical contact.
@@ -17,7 +16,7 @@ const COUNTS: [i64; 2] = [5, 4];
 /// study under two lights.
 pub fn seeds(findings: &mut Findings) {
     for count in COUNTS {
-        let all: Vec<Value> = (1..=SEEDS).into_par_iter().map(|seed| study(count, seed)).collect();
+        let all: Vec<Value> = side_by_side(SEEDS as usize, |seed| study(count, 1 + seed as i64));
         for (place, light) in ["natural light", "45°:0°"].into_iter().enumerate() {
             for (i, axis) in ["L*", "a*", "b*"].into_iter().enumerate() {
                 let number = |key: &str, results: &Value| {
