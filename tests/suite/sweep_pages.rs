@@ -221,6 +221,73 @@ fn differences_between_inks_are_shown_where_they_are_asked_for_and_axes_have_uni
     assert!(cells(&page, ["blue", "200"])[5].contains('.'), "{page}");
 }
 
+/// What the explorer of a sweep in `out` shows.
+fn explored(place: &Place) -> serde_json::Value {
+    let page = std::fs::read_to_string(place.path("out/explore.html")).unwrap();
+    let data = page.lines().find_map(|line| line.strip_prefix("const data = ")).unwrap();
+    serde_json::from_str(data.trim_end_matches(';')).unwrap()
+}
+
+/// L*, a*, b* with their errors of the explorer's variant at a place, and those of a study of its own.
+fn evaluated_and_run(place: &Place, at: [f64; 3], study: &str) -> [Vec<f64>; 2] {
+    let data = explored(place);
+    let is_here = |variant: &&serde_json::Value| {
+        let place = variant["place"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+        place.eq(at[..data["axes"].as_array().unwrap().len()].iter().copied())
+    };
+    let variant = data["variants"].as_array().unwrap().iter().find(is_here).expect("a variant");
+    assert!(variant["nearest"].is_u64(), "{variant}");
+    let shown = (0..6).map(|i| variant["numbers"][i / 2][i % 2].as_f64().unwrap());
+    std::fs::write(place.path("own.toml"), study).unwrap();
+    succeed(&["run", &place.path("own.toml"), "--output", &place.path("own")]);
+    let own: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("own/results.json")).unwrap()).unwrap();
+    let colour = match &own["colour"] {
+        serde_json::Value::Null => &own["composed"]["thicknesses"][0]["colour"],
+        colour => colour,
+    };
+    let number = |key: &str, i: usize| colour[key][i].as_f64().unwrap_or_else(|| panic!("{own}"));
+    [shown.collect(), (0..6).map(|i| number(["lab", "lab_standard_error"][i % 2], i / 2)).collect()]
+}
+
+/// Papers need no solves of their own: what the explorer shows between them is a study's own result, while it interpolates
+/// shares. *Planted*: half-way between both colours instead (L* off by .6).
+#[test]
+fn the_explorer_evaluates_papers_between_others_from_the_same_solves() {
+    let place = Place::swept("out");
+    let data = explored(&place);
+    let steps: Vec<u64> = (0..3).map(|a| data["axes"][a]["steps"].as_u64().unwrap()).collect();
+    assert_eq!(steps, [1, 1, 8]);
+    assert_eq!(data["variants"].as_array().unwrap().len(), 8 + 4 * 7);
+    let text = std::fs::read_to_string(place.path("out/variants/15-200-0.5/study.toml")).unwrap();
+    let [shown, own] = evaluated_and_run(&place, [1.0, 1.0, 0.25], &text.replace("0.5\n", "0.8\n"));
+    let half_a_digit = 1e-6;
+    assert!(shown.iter().zip(&own).all(|(a, b)| (a - b).abs() < half_a_digit), "{shown:?} {own:?}");
+    let before = std::fs::read(place.path("out/explore.html")).unwrap();
+    succeed(&["report", &place.path("out")]);
+    assert!(
+        before == std::fs::read(place.path("out/explore.html")).unwrap(),
+        "kept numbers are those of before"
+    );
+}
+
+/// Thicknesses of a composed layer are powers of its slabs, whole and broken ones. *Planted*: thicknesses interpolated.
+#[test]
+fn the_explorer_evaluates_thicknesses_between_others_from_the_same_slabs() {
+    let base = "title = 'Slabs'\n[base.layer]\nperiod_um = 0.8\nbinder.index = 1.5\ncomposed = { slab_um = 0.5 }\n\
+                [[base.pigment]]\nname = 'grains'\ndiameter_nm = 200\nvolume_fraction = 0.15\nindex = { n = 2.0, k = 0.02 }\n\
+                [base.paper]\nalbedo = 0.5\n[base.light]\nwavelengths_nm = [400, 460, 520, 580, 640, 700]\n\
+                [base.run]\nrealisations = 2\nseed = 7\n[base.resolution]\npoints_per_um = 12\nplanes_per_um = 36\n";
+    let place = Place::new(&format!(
+        "{base}[[axis]]\nname = 'thickness'\nfield = 'layer.thickness_um'\nvalues = [1.0, 3.0]\n"
+    ));
+    place.sweep("out", &[]);
+    assert_eq!(explored(&place)["axes"][0]["steps"], 8);
+    let text = base.replace("base.", "").replace("[layer]\n", "[layer]\nthickness_um = 1.75\n");
+    let [shown, own] = evaluated_and_run(&place, [0.375, 0.0, 0.0], &text);
+    assert!(shown.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-6), "{shown:?} {own:?}");
+}
+
 /// The explorer interpolates along the axis of three shares; with two papers, or sizes of which one is a word, it does not. Its
 /// leave-one-out errors follow from the table alone. *Planted*: errors of the variants at the ends would be extrapolated.
 #[test]
@@ -229,9 +296,7 @@ fn the_explorer_interpolates_between_three_numbers_with_the_error_of_leaving_one
     let two = "values = [0.10, 0.15]\nlabels = [\"10 %\", \"15 %\"]";
     let place = Place::new(&TINY.replace(two, three));
     place.sweep("out", &[]);
-    let page = std::fs::read_to_string(place.path("out/explore.html")).unwrap();
-    let data = page.lines().find_map(|line| line.strip_prefix("const data = ")).unwrap();
-    let data: serde_json::Value = serde_json::from_str(data.trim_end_matches(';')).unwrap();
+    let data = explored(&place);
     let between = |a: usize| &data["axes"][a]["between"];
     assert_eq!(between(0)["values"], serde_json::json!([10.0, 15.0, 20.0]));
     assert!(between(1).is_null() && between(2).is_null(), "{}", data["axes"]);
@@ -239,7 +304,8 @@ fn the_explorer_interpolates_between_three_numbers_with_the_error_of_leaving_one
     let row = |variant: &str| rows.iter().find(|row| row["variant"] == variant).unwrap();
     let lab = |variant: &str| ["L", "a", "b"].map(|c| row(variant)[c].parse::<f64>().unwrap());
     let t = if between(0)["logarithmic"] == true { 1.5_f64.log2() } else { 0.5 };
-    for (v, variant) in data["variants"].as_array().unwrap().iter().enumerate() {
+    let solved = data["variants"].as_array().unwrap().iter().filter(|variant| variant["nearest"].is_null());
+    for (v, variant) in solved.enumerate() {
         let (share, rest) = variant["name"].as_str().unwrap().split_once('-').unwrap();
         let low = lab(&format!("10-{rest}"));
         let middle = lab(&format!("15-{rest}"));

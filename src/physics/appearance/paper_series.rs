@@ -42,6 +42,18 @@ impl AreaOptics {
         }
     }
 
+    /// The weighted sum of some of these, such as an interpolation.
+    pub fn sum(all: &[Self], shares: &[(usize, f64)]) -> Self {
+        let mut sum = Self { own: 0.0, entering: 0.0, leaving: 0.0, lost: 0.0 };
+        for &(i, share) in shares {
+            sum.own += share * all[i].own;
+            sum.entering += share * all[i].entering;
+            sum.leaving += share * all[i].leaving;
+            sum.lost += share * all[i].lost;
+        }
+        sum
+    }
+
     /// At another wavelength, linear between those of a rising list and constant beyond its ends.
     pub fn at(all: &[Self], wavelengths_nm: &[f64], nm: f64) -> Self {
         let after = wavelengths_nm.partition_point(|&x| x < nm);

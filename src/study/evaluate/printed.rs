@@ -81,8 +81,10 @@ impl PrintTask<'_> {
         let n = self.yule_nielsen(numbers);
         let mut notes = Vec::new();
         for (k, print) in self.prints.iter().enumerate() {
-            let Ok(colour) = self.eye.colour(self.seen(&numbers[k].factors)) else { continue };
-            let [r, g, b] = colour.srgb8;
+            if !numbers[k].xyz.iter().all(|number| number.is_finite()) {
+                continue;
+            }
+            let [r, g, b] = self.eye.colour_of(numbers[k].xyz).srgb8;
             let bars = &with_errors[k];
             let is_tint = print.nominal > 0.0 && print.nominal < 1.0;
             let apparent = Some(bars.apparent).filter(|apparent| is_tint && apparent.value.is_finite());
@@ -166,6 +168,7 @@ pub(super) fn ink_prints(
         };
         bars.push(PrintNumbers {
             lab: std::array::from_fn(|c| estimate(&|print| print.lab[c], open[c])),
+            xyz: std::array::from_fn(|c| estimate(&|print| print.xyz[c], 0.0)),
             apparent: estimate(&|print| print.apparent, 0.0),
             density: estimate(&|print| print.density, 0.0),
             additivity: estimate(&|print| print.additivity, 0.0),

@@ -2,6 +2,7 @@
 //! instruments where the paper fluoresces. Layers that are solved as a whole and composed ones are
 //! seen alike: as [`AreaOptics`] at the study's wavelengths.
 
+mod between;
 mod emission;
 mod tint;
 
@@ -16,6 +17,7 @@ use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
 use crate::input::study::{Paper, Study};
+use between::PaperBetween;
 use serde::Serialize;
 use tint::additivity;
 
@@ -28,6 +30,8 @@ const NO_INK: f64 = 0.01;
 pub struct PrintNumbers<T> {
     /// L*, a*, b* at 45:0.
     pub lab: [T; 3],
+    /// X, Y, Z; those of a perfect white have Y = 100.
+    pub xyz: [T; 3],
     /// Coverage by Murray and Davies from Y: what a densitometer calls it. NaN without ink.
     pub apparent: T,
     /// Visual density over the paper, −log₁₀(Y/Y of the paper).
@@ -44,6 +48,7 @@ impl<T> PrintNumbers<T> {
     pub fn map<U>(self, number: &impl Fn(T) -> U) -> PrintNumbers<U> {
         PrintNumbers {
             lab: self.lab.map(number),
+            xyz: self.xyz.map(number),
             apparent: number(self.apparent),
             density: number(self.density),
             additivity: number(self.additivity),
@@ -55,8 +60,11 @@ impl<T> PrintNumbers<T> {
     pub fn zipped<V, U>(self, other: PrintNumbers<V>, number: &impl Fn(T, V) -> U) -> PrintNumbers<U> {
         let [l, a, b] = self.lab;
         let [other_l, other_a, other_b] = other.lab;
+        let [x, y, z] = self.xyz;
+        let [other_x, other_y, other_z] = other.xyz;
         PrintNumbers {
             lab: [number(l, other_l), number(a, other_a), number(b, other_b)],
+            xyz: [number(x, other_x), number(y, other_y), number(z, other_z)],
             apparent: number(self.apparent, other.apparent),
             density: number(self.density, other.density),
             additivity: number(self.additivity, other.additivity),
@@ -86,6 +94,14 @@ pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     nm.iter().zip(&bare).map(factor).collect()
 }
 
+/// A print as it is seen at 45:0.
+struct SeenPrint {
+    /// Radiance factors at the study's wavelengths.
+    factors: Vec<f64>,
+    /// X, Y, Z, with what the paper does between these.
+    xyz: [f64; 3],
+}
+
 /// The prints of a study.
 pub struct PrintTask<'a> {
     study: &'a Study,
@@ -100,6 +116,7 @@ pub struct PrintTask<'a> {
     /// Layers of other runs that some areas bear.
     others: &'a [LayerOptics],
     albedos: Vec<f64>,
+    between: Option<PaperBetween>,
     /// The paper under the light of every condition; one without a light if it does not fluoresce.
     lights: Vec<(Option<MeasuredCondition>, Option<Brightened>)>,
 }
@@ -140,6 +157,7 @@ impl<'a> PrintTask<'a> {
             study,
             prints: prints.collect(),
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok()?,
+            between: PaperBetween::new(&study.paper, nm, &viewing),
             viewing: viewing.name(),
             others: mixed.map_or(&[][..], |(_, mixed)| mixed.layers.as_slice()),
             bare: bare_area(*coupling),
@@ -188,19 +206,20 @@ impl<'a> PrintTask<'a> {
         let each = self.prints.len() / self.lights.len();
         let mut all = Vec::new();
         for ((_, light), prints) in self.lights.iter().zip(self.prints.chunks(each)) {
-            let factors: Vec<Vec<f64>> = prints
+            let seen: Vec<SeenPrint> = prints
                 .iter()
-                .map(|print| self.factors([exciting, layer], others, print, light.as_ref()))
+                .map(|print| self.print([exciting, layer], others, print, light.as_ref()))
                 .collect();
-            let luminances: Vec<f64> = factors.iter().map(|factors| self.luminance(factors)).collect();
+            let luminances: Vec<f64> = seen.iter().map(|print| print.xyz[1]).collect();
             let paper = luminances[0];
             let solid = luminances[each - 1];
             let density = |luminance: f64| -(luminance / paper).log10();
-            for (k, factors) in factors.into_iter().enumerate() {
+            for (k, SeenPrint { factors, xyz }) in seen.into_iter().enumerate() {
                 let inked = k > 0 && paper - solid > NO_INK * paper && self.others.is_empty();
                 let apparent = if inked { murray_davies(paper, luminances[k], solid) } else { f64::NAN };
                 all.push(PrintNumbers {
-                    lab: self.lab(&factors),
+                    lab: self.eye.colour_of(xyz).lab,
+                    xyz,
                     apparent,
                     density: density(luminances[k]),
                     additivity: additivity(prints, k, |k| density(luminances[k])),
@@ -211,14 +230,14 @@ impl<'a> PrintTask<'a> {
         all
     }
 
-    /// Radiance factors of one print at 45:0; the layer as it excites the paper, and as it is seen.
-    fn factors(
+    /// One print at 45:0; the layer as it excites the paper, and as it is seen.
+    fn print(
         &self,
         [exciting, layer]: [&[AreaOptics]; 2],
         others: &[&[AreaOptics]],
         print: &PrintedTint,
         light: Option<&Brightened>,
-    ) -> Vec<f64> {
+    ) -> SeenPrint {
         let nm = &self.study.wavelengths_nm;
         let bare = vec![self.bare; nm.len()];
         let shares = match print.shares.is_empty() {
@@ -239,7 +258,13 @@ impl<'a> PrintTask<'a> {
             let areas: Vec<AreaOptics> = kinds.iter().map(|kind| kind[i]).collect();
             mix.factor(&areas, self.albedos[i], &emitted)
         };
-        nm.iter().enumerate().map(factor).collect()
+        let factors: Vec<f64> = nm.iter().enumerate().map(factor).collect();
+        let mut xyz = self.eye.xyz(self.seen(&factors)).unwrap_or([f64::NAN; 3]);
+        if let Some(between) = &self.between {
+            let beyond = between.beyond(&mix, &kinds, emitted.as_ref(), nm);
+            xyz.iter_mut().zip(beyond).for_each(|(sum, beyond)| *sum += beyond);
+        }
+        SeenPrint { factors, xyz }
     }
 
     /// The factors that the eye sums.
@@ -247,18 +272,10 @@ impl<'a> PrintTask<'a> {
         &factors[visible(&self.study.wavelengths_nm)]
     }
 
-    fn luminance(&self, factors: &[f64]) -> f64 {
-        self.eye.xyz(self.seen(factors)).map_or(f64::NAN, |xyz| xyz[1])
-    }
-
-    fn lab(&self, factors: &[f64]) -> [f64; 3] {
-        self.eye.colour(self.seen(factors)).map_or([f64::NAN; 3], |colour| colour.lab)
-    }
-
     /// n of Yule and Nielsen for the luminance of each print, where there is one.
     pub fn yule_nielsen(&self, numbers: &[PrintNumbers<f64>]) -> Vec<Option<f64>> {
         let each = self.prints.len() / self.lights.len();
-        let luminances: Vec<f64> = numbers.iter().map(|print| self.luminance(&print.factors)).collect();
+        let luminances: Vec<f64> = numbers.iter().map(|print| print.xyz[1]).collect();
         let n = |(k, print): (usize, &PrintedTint)| {
             if !self.others.is_empty() {
                 return None;

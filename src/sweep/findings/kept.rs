@@ -51,9 +51,23 @@ impl<'a> KeptPages<'a> {
     /// The outcome of a variant whose page was made from what is stored now, by this program, and
     /// whose files are as they were written; `nothing` is its outcome without results.
     pub fn unchanged(&self, variant: &Variant, folder: &OutputFolder, nothing: &Outcome) -> Option<Outcome> {
+        self.evaluated_with(variant, nothing, &checksums(folder).ok()?)
+    }
+
+    /// The outcome of a variant between others, which has no page.
+    pub fn evaluated(&self, variant: &Variant, nothing: &Outcome) -> Option<Outcome> {
+        self.evaluated_with(variant, nothing, &BTreeMap::new())
+    }
+
+    fn evaluated_with(
+        &self,
+        variant: &Variant,
+        nothing: &Outcome,
+        present: &BTreeMap<String, String>,
+    ) -> Option<Outcome> {
         let KeptPage { made_from, mut outcome, of_numbers, of_target, files } =
             self.pages.get(key(variant).as_str())?;
-        if made_from != self.made_from(variant) || files != checksums(folder).ok()? {
+        if made_from != self.made_from(variant) || files != *present {
             return None;
         }
         outcome.numbers.iter_mut().zip(of_numbers).for_each(|(note, by)| note.deviations = by);
@@ -71,12 +85,27 @@ impl<'a> KeptPages<'a> {
         if !outcome.is_complete() || variant.study.composed().is_some() {
             return Ok(());
         }
+        self.put(variant, outcome, checksums(folder)?)
+    }
+
+    /// Keeps the outcome of a variant between others, if it is solved as a whole.
+    ///
+    /// # Errors
+    /// The record cannot be written.
+    pub fn keep_evaluated(&self, variant: &Variant, outcome: &Outcome) -> PublishResult {
+        if variant.study.composed().is_some() {
+            return Ok(());
+        }
+        self.put(variant, outcome, BTreeMap::new())
+    }
+
+    fn put(&self, variant: &Variant, outcome: &Outcome, files: BTreeMap<String, String>) -> PublishResult {
         let page = KeptPage {
             made_from: self.made_from(variant),
             outcome: outcome.clone(),
             of_numbers: outcome.numbers.iter().map(|note| note.deviations.clone()).collect(),
             of_target: outcome.target.iter().flat_map(|target| target.deviations.clone()).collect(),
-            files: checksums(folder)?,
+            files,
         };
         Ok(self.pages.put(key(variant).as_str(), &page)?)
     }

@@ -1,6 +1,8 @@
 //! The results of a sweep: outcomes, conclusions, tables, contact sheets and pages.
 
+mod between;
 pub mod conclusions;
+mod continuous;
 mod curves;
 mod explore;
 mod kept;

@@ -61,12 +61,17 @@ pub struct Outcome {
 impl Outcome {
     /// A variant without any results yet.
     pub fn nothing(sweep: &Sweep, number: usize) -> Self {
-        let Variant { name, study, .. } = &sweep.variants[number];
         let outline = &sweep.outline;
         let labels = outline.axes.iter().zip(&outline.variants[number].place);
+        let labels = labels.map(|(axis, &k)| axis.labels[k].clone()).collect();
+        Self::of_study(&sweep.variants[number], labels)
+    }
+
+    /// A study of these labels without any results yet.
+    pub fn of_study(Variant { name, study }: &Variant, labels: Vec<String>) -> Self {
         Self {
             name: name.clone(),
-            labels: labels.map(|(axis, &k)| axis.labels[k].clone()).collect(),
+            labels,
             solves: Count { asked: study.solves(), finished: 0 },
             failures: 0,
             reason: None,

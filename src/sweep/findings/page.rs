@@ -91,7 +91,7 @@ fn conclusion(judged: &Judged) -> Value {
 
 fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
     let outcome = &outcomes[number];
-    let numbers = shown(sweep, number, outcomes);
+    let numbers = shown(sweep, number, &outcomes[number], &outcomes[sweep.outline.reference]);
     let all = outcome.solves;
     let state = match (&outcome.reason, all.finished) {
         (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),

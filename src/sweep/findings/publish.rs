@@ -1,6 +1,7 @@
 //! Writes a sweep's results from its store, at any time: the page of every variant, the table,
 //! contact sheets, conclusions.
 
+use super::between::Between;
 use super::conclusions::{Judged, judge};
 use super::kept::KeptPages;
 use super::media::{media_table, number_names, numbers_table};
@@ -38,13 +39,15 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> PublishResult<Reported> 
 pub struct Publisher<'a> {
     sweep: &'a Sweep,
     outcomes: Vec<Outcome>,
+    /// What is between finished variants, once all are.
+    between: Option<Between>,
 }
 
 impl<'a> Publisher<'a> {
     /// Starts without results.
     pub fn new(sweep: &'a Sweep) -> Self {
         let outcomes = (0..sweep.variants.len()).map(|number| Outcome::nothing(sweep, number));
-        Self { sweep, outcomes: outcomes.collect() }
+        Self { sweep, outcomes: outcomes.collect(), between: None }
     }
 
     /// Writes all results available now. An existing page is kept until the new one replaces it.
@@ -66,12 +69,20 @@ impl<'a> Publisher<'a> {
             *outcome = published(self.sweep, number, &stores, &of_variant)?;
             pages.keep(variant, &of_variant, outcome)?;
         }
-        report(self.sweep, folder, self.outcomes.clone())
+        if self.between.is_none() && self.outcomes.iter().all(Outcome::is_complete) {
+            self.between = Some(Between::new(self.sweep, folder, &stores));
+        }
+        report(self.sweep, folder, self.outcomes.clone(), self.between.as_ref())
     }
 }
 
 /// Writes the contact sheets, tables and pages of the whole sweep.
-fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> PublishResult<Reported> {
+fn report(
+    sweep: &Sweep,
+    folder: &OutputFolder,
+    outcomes: Vec<Outcome>,
+    between: Option<&Between>,
+) -> PublishResult<Reported> {
     let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
     let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
@@ -100,7 +111,7 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     let conclusions = conclusions_table(&reported.conclusions)?;
     written.write("conclusions.csv", &conclusions, "claims about the sweep, judged", &[])?;
     written.describe(&sweep.outline.title)?;
-    folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
+    folder.write("explore.html", explore::page(sweep, &reported, between).as_bytes())?;
     folder.write("report.html", page::page(sweep, &reported, &drawn)?.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
         folder.complete()?;

@@ -31,11 +31,16 @@ impl Reported {
     }
 }
 
-/// The numbers of a variant for a page: ΔE₀₀ to a reference of another ink is left out, unless the
-/// file names the reference.
-pub(super) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
+/// The numbers of an outcome for a page, with the inks of variant `number`: ΔE₀₀ to a reference of
+/// another ink is left out, unless the file names the reference.
+pub(super) fn shown(
+    sweep: &Sweep,
+    number: usize,
+    outcome: &Outcome,
+    reference: &Outcome,
+) -> Option<[Estimate; 6]> {
     let outline = &sweep.outline;
-    let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
+    let mut numbers = numbers(outcome, reference)?;
     let inks_of = |v: usize| Some(inks(&sweep.variants.get(v)?.study));
     if !outline.reference_asked && inks_of(number) != inks_of(outline.reference) {
         numbers[5] = Estimate::unknown_error(f64::NAN);

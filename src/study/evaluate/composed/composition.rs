@@ -340,14 +340,15 @@ impl<'a> CompositionTask<'a> {
             luminance(&factors(&AreaMix { shares, ..areas.mix.clone() }))
         };
         let printed = factors(&areas.mix);
-        let lab = colour(&printed).map_or([f64::NAN; 3], |colour| colour.lab);
-        let tint = luminance(&printed);
+        let (lab, xyz) = colour(&printed).map_or(([f64::NAN; 3], [f64::NAN; 3]), |seen| (seen.lab, seen.xyz));
+        let tint = xyz[1];
         let paper = alone(0);
         // several inks have no one coverage, and no solids of each to sum densities of
         let is_one = areas.inks == 1;
         let apparent = if is_one { murray_davies(paper, tint, alone(kinds.len() - 1)) } else { f64::NAN };
         PrintNumbers {
             lab,
+            xyz,
             apparent,
             density: -(tint / paper).log10(),
             additivity: f64::NAN,

@@ -145,6 +145,19 @@ impl Portion {
 }
 
 impl Study {
+    /// A layer composed of the slabs of another study, whole ones and a broken one; unchanged unless
+    /// both are single layers that are composed.
+    pub fn in_slabs_of(mut self, solved: &Self) -> Self {
+        if let (StudyKind::Composed(own), StudyKind::Composed(other)) = (&mut self.kind, &solved.kind)
+            && own.layers.is_empty()
+            && other.layers.is_empty()
+        {
+            own.slab_um = other.slab_um;
+            self.packing.thickness_um = other.slab_um;
+        }
+        self
+    }
+
     /// Real index of the half-spaces that inner slabs are solved between, at a vacuum wavelength:
     /// the layer's own in the limit of small grains, √Re⟨η²⟩ for the scalar wave, that of Maxwell
     /// Garnett for Maxwell's equations. It has to be known before the first solve; the index of the

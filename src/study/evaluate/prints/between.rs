@@ -1,0 +1,85 @@
+//! What paper does between the wavelengths of a study. The layers on it are known at these alone and
+//! taken as smooth, but the paper is given, and so is its colour.
+
+use super::EmittedLight;
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, lagrange_shares, visible};
+use crate::appearance::viewing::{Summation, Viewing};
+use crate::input::study::Paper;
+
+/// Largest step of the sum over the paper, nm.
+const STEP_NM: f64 = 5.0;
+/// Difference from a smooth paper that is rounding.
+const SMOOTH: f64 = 1e-12;
+
+/// A place between the wavelengths.
+#[derive(Clone, Debug)]
+struct Between {
+    nm: f64,
+    albedo: f64,
+    /// (wavelength, weight) of the sum of the study's wavelengths there.
+    shares: Vec<(usize, f64)>,
+    /// The albedo by these.
+    smooth: f64,
+}
+
+/// The sum of a print's colour over its paper between the wavelengths of a study.
+#[derive(Clone, Debug)]
+pub(super) struct PaperBetween {
+    places: Vec<Between>,
+    eye: Colorimeter,
+}
+
+impl PaperBetween {
+    /// The paper between wavelengths; `None` where nothing is in between, and for weights that are
+    /// meant for these wavelengths (ASTM E308).
+    pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing) -> Option<Self> {
+        let seen = visible(wavelengths_nm);
+        let grid = &wavelengths_nm[seen.clone()];
+        let widest = grid.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        if viewing.summation == Summation::E308 || grid.len() < 3 || widest <= STEP_NM * (1.0 + 1e-9) {
+            return None;
+        }
+        let (first, last) = (grid[0], grid[grid.len() - 1]);
+        let intervals = ((last - first) / STEP_NM - 1e-9).ceil();
+        let mut places = Vec::new();
+        for k in 0..=intervals as usize {
+            let nm = first + (last - first) * k as f64 / intervals;
+            let shares: Vec<(usize, f64)> =
+                lagrange_shares(grid, nm).into_iter().map(|(i, share)| (seen.start + i, share)).collect();
+            let albedo = |nm: f64| paper.albedo.at(nm).ok();
+            let known = |&(i, share): &(usize, f64)| Some(share * albedo(wavelengths_nm[i])?);
+            let smooth = shares.iter().map(known).sum::<Option<f64>>()?;
+            places.push(Between { nm, albedo: albedo(nm)?, shares, smooth });
+        }
+        let is_smooth = places.iter().all(|place| (place.albedo - place.smooth).abs() < SMOOTH);
+        if is_smooth && paper.fluorescence.is_none() {
+            return None;
+        }
+        let nm: Vec<f64> = places.iter().map(|place| place.nm).collect();
+        Some(Self { places, eye: Colorimeter::under(&nm, viewing).ok()? })
+    }
+
+    /// X, Y, Z of a print beyond those of its sum over the study's wavelengths.
+    pub fn beyond(
+        &self,
+        mix: &AreaMix,
+        kinds: &[&[AreaOptics]],
+        emitted: Option<&EmittedLight>,
+        wavelengths_nm: &[f64],
+    ) -> [f64; 3] {
+        let at = |nm: f64| emitted.map_or(Vec::new(), |emitted| emitted.relative(nm));
+        let of_wavelengths: Vec<Vec<f64>> = wavelengths_nm.iter().map(|&nm| at(nm)).collect();
+        let difference = |place: &Between| {
+            let areas: Vec<AreaOptics> =
+                kinds.iter().map(|kind| AreaOptics::sum(kind, &place.shares)).collect();
+            let mut smooth = vec![0.0; of_wavelengths.first().map_or(0, Vec::len)];
+            for &(i, share) in &place.shares {
+                smooth.iter_mut().zip(&of_wavelengths[i]).for_each(|(sum, emitted)| *sum += share * emitted);
+            }
+            mix.factor(&areas, place.albedo, &at(place.nm)) - mix.factor(&areas, place.smooth, &smooth)
+        };
+        let differences: Vec<f64> = self.places.iter().map(difference).collect();
+        self.eye.xyz(&differences).unwrap_or([f64::NAN; 3])
+    }
+}
