@@ -242,12 +242,15 @@ fn evaluated_and_run(place: &Place, at: [f64; 3], study: &str) -> [Vec<f64>; 2] 
     succeed(&["run", &place.path("own.toml"), "--output", &place.path("own")]);
     let own: serde_json::Value =
         serde_json::from_slice(&std::fs::read(place.path("own/results.json")).unwrap()).unwrap();
-    let colour = match &own["colour"] {
-        serde_json::Value::Null => &own["composed"]["thicknesses"][0]["colour"],
-        colour => colour,
+    let number = |i: usize| {
+        let lab = i / 2;
+        let name = ["value", "standard_error"][i % 2];
+        match own["colours"].as_array().unwrap().last().unwrap() {
+            whole if whole["lab"].is_array() => whole[["lab", "lab_standard_error"][i % 2]][lab].as_f64(),
+            composed => composed["natural_light"][lab][name].as_f64(),
+        }
     };
-    let number = |key: &str, i: usize| colour[key][i].as_f64().unwrap_or_else(|| panic!("{own}"));
-    [shown.collect(), (0..6).map(|i| number(["lab", "lab_standard_error"][i % 2], i / 2)).collect()]
+    [shown.collect(), (0..6).map(|i| number(i).unwrap_or_else(|| panic!("{own}"))).collect()]
 }
 
 /// Papers need no solves of their own: what the explorer shows between them is a study's own result, while it interpolates
@@ -260,7 +263,7 @@ fn the_explorer_evaluates_papers_between_others_from_the_same_solves() {
     assert_eq!(steps, [1, 1, 8]);
     assert_eq!(data["variants"].as_array().unwrap().len(), 8 + 4 * 7);
     let text = std::fs::read_to_string(place.path("out/variants/15-200-0.5/study.toml")).unwrap();
-    let [shown, own] = evaluated_and_run(&place, [1.0, 1.0, 0.25], &text.replace("0.5\n", "0.8\n"));
+    let [shown, own] = evaluated_and_run(&place, [1.0, 1.0, 0.25], &text.replace("albedo = 0.5", "albedo = 0.8"));
     let half_a_digit = 1e-6;
     assert!(shown.iter().zip(&own).all(|(a, b)| (a - b).abs() < half_a_digit), "{shown:?} {own:?}");
     let before = std::fs::read(place.path("out/explore.html")).unwrap();
@@ -283,7 +286,7 @@ fn the_explorer_evaluates_thicknesses_between_others_from_the_same_slabs() {
     ));
     place.sweep("out", &[]);
     assert_eq!(explored(&place)["axes"][0]["steps"], 8);
-    let text = base.replace("base.", "").replace("[layer]\n", "[layer]\nthickness_um = 1.75\n");
+    let text = base.replace("base.", "").replace("[layer]\n", "[layer]\nthickness_um = [1.0, 1.75]\n");
     let [shown, own] = evaluated_and_run(&place, [0.375, 0.0, 0.0], &text);
     assert!(shown.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-6), "{shown:?} {own:?}");
 }

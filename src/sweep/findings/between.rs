@@ -19,9 +19,11 @@ use toml::{Table, Value};
 
 /// Steps from one setting to the next, the finest first; their halves have no rounding.
 const STEPS: [usize; 3] = [8, 4, 2];
-/// Largest number of variants between others: they are evaluated one after the other and add 1 kB
-/// each to the page.
+/// Largest number of variants between others: they are evaluated one after the other, in some .03 s
+/// each, and add 1 kB each to the page.
 const MOST: usize = 400;
+/// The same of composed layers, which take a second each.
+const MOST_COMPOSED: usize = 28;
 
 /// What is known between the settings of a sweep's axes.
 #[derive(Clone, Debug, Default)]
@@ -79,11 +81,13 @@ impl Reading<'_> {
     /// Steps of every axis that needs no other solves, as fine as the number of variants allows.
     fn steps(&self) -> Vec<usize> {
         let axes = self.sweep.outline.axes.len();
+        let is_composed = self.sweep.variants.iter().any(|variant| variant.study.composed().is_some());
+        let most = if is_composed { MOST_COMPOSED } else { MOST };
         let mut free: Vec<usize> = (0..axes).filter(|&a| self.needs_no_solves(a)).collect();
         while !free.is_empty() {
             for n in STEPS {
                 let steps: Vec<usize> = (0..axes).map(|a| if free.contains(&a) { n } else { 1 }).collect();
-                if self.places(&steps).len() <= MOST {
+                if self.places(&steps).len() <= most {
                     return steps;
                 }
             }
