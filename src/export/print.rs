@@ -50,6 +50,8 @@ pub struct Print {
     pub created: String,
     /// Light, observer and rule of summation of the colours.
     pub viewing: Viewing,
+    /// The light that excites the paper, where it fluoresces.
+    pub exciting: Option<String>,
     /// True where the spectra were interpolated to the grid, and not evaluated on it.
     pub interpolated: bool,
     /// A uniform grid, nm.
@@ -100,6 +102,7 @@ impl Print {
             study_hash: study.key().to_string(),
             created: created.to_owned(),
             viewing: study.judgement.viewing.clone(),
+            exciting: study.paper.fluorescence.as_ref().map(|_| Viewing::default().illuminant().to_owned()),
             interpolated,
             wavelengths_nm: bands.wavelengths_nm,
             spectra,

@@ -63,6 +63,9 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRA_NOTE", print.spectra_from());
     let no_lab = "none: the wavelengths do not suffice for a colour";
     own("LAB_NOTE", &if has_lab(print) { print.lab_note() } else { no_lab.to_owned() });
+    if let Some(light) = &print.exciting {
+        own("EXCITING_LIGHT", &format!("{light}, ultraviolet included: none of M0 to M3"));
+    }
     own("SPECTRAL_NORM", "100.000000");
     own("MEAS_TYPE", "REFLECTIVE");
     let first = print.wavelengths_nm.first();
@@ -104,6 +107,7 @@ pub fn cxf(print: &Print) -> Result<String, minijinja::Error> {
         conditions => print.viewing.name(),
         origin => print.spectra_from(),
         lab_note => print.lab_note(),
+        exciting => &print.exciting,
         start,
         increment => print.wavelengths_nm.get(1).map_or(10, |second| second - start),
         light => print.viewing.illuminant().to_owned(),
@@ -154,6 +158,7 @@ mod tests {
             study_hash: "0".to_owned(),
             created: "2000-01-01T00:00:00Z".to_owned(),
             viewing: Viewing::new("D50", "2", Summation::Plain).unwrap(),
+            exciting: None,
             interpolated: false,
             wavelengths_nm: vec![400, 410],
             spectra: vec![spectrum],
@@ -161,5 +166,14 @@ mod tests {
         let file = cxf(&print).unwrap();
         assert!(file.contains("<cc:WavelengthRange StartWL=\"400\" Increment=\"10\"/>"), "{file}");
         assert!(file.contains("Name=\"StandardErrors\" Value=\"0.0200000 0.0050000\""), "{file}");
+        // *Planted*: the condition of other papers on one that daylight excites
+        assert!(file.contains("M0_Incandescent") && !file.contains("ExcitingLight"), "{file}");
+        let brightened = Print { exciting: Some("D65".to_owned()), ..print };
+        let file = cxf(&brightened).unwrap();
+        assert!(
+            !file.contains("M0_Incandescent") && file.contains("Name=\"ExcitingLight\" Value=\"D65"),
+            "{file}"
+        );
+        assert!(cgats(&brightened, Dialect::Standard).contains("EXCITING_LIGHT \"D65"));
     }
 }

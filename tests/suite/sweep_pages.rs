@@ -263,7 +263,8 @@ fn the_explorer_evaluates_papers_between_others_from_the_same_solves() {
     assert_eq!(steps, [1, 1, 8]);
     assert_eq!(data["variants"].as_array().unwrap().len(), 8 + 4 * 7);
     let text = std::fs::read_to_string(place.path("out/variants/15-200-0.5/study.toml")).unwrap();
-    let [shown, own] = evaluated_and_run(&place, [1.0, 1.0, 0.25], &text.replace("albedo = 0.5", "albedo = 0.8"));
+    let [shown, own] =
+        evaluated_and_run(&place, [1.0, 1.0, 0.25], &text.replace("albedo = 0.5", "albedo = 0.8"));
     let half_a_digit = 1e-6;
     assert!(shown.iter().zip(&own).all(|(a, b)| (a - b).abs() < half_a_digit), "{shown:?} {own:?}");
     let before = std::fs::read(place.path("out/explore.html")).unwrap();

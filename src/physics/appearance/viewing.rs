@@ -79,8 +79,8 @@ const OBSERVERS: [&str; 4] = ["2", "10", "2015_2", "2015_10"];
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Summation {
-    /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of
-    /// their range (CIE 15).
+    /// Every wavelength where these have one step of at most 10 nm, otherwise every 5 nm, under
+    /// lamps every nm; nothing beyond the ends of their range (CIE 15).
     #[default]
     Plain,
     /// Weights as tabulated by ASTM E308: interpolated by the rule of ASTM E2022, and the ends of

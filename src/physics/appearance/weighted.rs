@@ -31,6 +31,11 @@ const MOST_BEND: f64 = 0.4;
 const DRIFT_PER_NM: f64 = 0.003;
 /// The most that it drifts.
 const MOST_DRIFT: f64 = 0.4;
+/// The same below the grid, where what is white to the eye begins to absorb: an edge takes a few
+/// tens of nm.
+const DRIFT_BELOW_PER_NM: f64 = 0.02;
+/// The most of that: half-way to black from white.
+const MOST_DRIFT_BELOW: f64 = 0.5;
 /// Widest of four neighbouring intervals over the narrowest, up to which a cubic runs through them;
 /// polynomials through more uneven wavelengths swing.
 const EVEN: f64 = 2.5;
@@ -141,9 +146,10 @@ impl WeightedSum {
             let end_nm = ends[k].copied().unwrap_or(REFERENCE_NM);
             let end = at_ends[k].copied().unwrap_or(0.0);
             let room = (1.0 - end).max(end).max(0.0);
+            let [per_nm, most] = [[DRIFT_BELOW_PER_NM, MOST_DRIFT_BELOW], [DRIFT_PER_NM, MOST_DRIFT]][k];
             let drift = |nm: f64| {
-                let free = nm * DRIFT_PER_NM * REFERENCE_NM / end_nm;
-                (MOST_DRIFT * (1.0 - (-free / MOST_DRIFT).exp())).min(room)
+                let free = nm * per_nm * REFERENCE_NM / end_nm;
+                (most * (1.0 - (-free / most).exp())).min(room)
             };
             self.beyond[k].iter().map(|(nm, weight)| weight * drift(*nm)).sum()
         })

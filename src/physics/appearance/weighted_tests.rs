@@ -40,6 +40,12 @@ fn light_beyond_the_grid_is_that_of_its_ends_with_an_error() {
     let spectrum: Vec<f64> = nm.iter().map(|nm| 0.5 + 1e-4 * (nm - 400.0)).collect();
     let [below, above] = sum.beyond(&spectrum);
     assert!((1e-3..2e-2).contains(&below) && above == 0.0, "{below} {above}");
+    // white that begins to absorb just below the grid. *Planted*: the slow drift of other ends
+    let white = |nm: &f64| if *nm < 385.0 { 0.05 } else { 0.9 };
+    let of = |nm: &[f64]| WeightedSum::new(nm, &sun).of(&nm.iter().map(white).collect::<Vec<f64>>());
+    let missed = (of(&nm) - of(&grid(280.0, 2500.0, 2.0))).abs();
+    let [below, _] = sum.beyond(&nm.iter().map(white).collect::<Vec<f64>>());
+    assert!(missed < 2.0 * below && below < missed, "{missed} {below}");
     let whole = WeightedSum::new(&grid(280.0, 2500.0, 20.0), &sun);
     assert_eq!(whole.beyond(&[0.5; 112]), [0.0; 2]);
 }

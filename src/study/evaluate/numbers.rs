@@ -22,6 +22,9 @@ use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
 use crate::solve::accuracy::grid_error::GridError;
 
+/// Means below this are rounding.
+const NOTHING: f64 = 1e-9;
+
 /// A number that is asked for, on a grid of wavelengths.
 pub struct AskedNumber<'a> {
     /// As the study asks for it.
@@ -72,6 +75,8 @@ impl<'a> AskedNumber<'a> {
                 xyz.iter_mut().zip([x, y, z]).for_each(|(white, share)| *white *= share);
                 transform.of_xyz(xyz, white)
             }
+            // rounding of a spectrum that is 0 is no mean to divide by
+            (_, &[_, over]) if over.abs() < NOTHING => f64::NAN,
             (_, &[of, over]) => transform.of_mean(of / over),
             (_, sums) => transform.of_mean(sums.first().copied().unwrap_or(f64::NAN)),
         }
@@ -118,8 +123,8 @@ impl<'a> AskedNumber<'a> {
                 .map(|_| format!("{value:.4}, below 0 by more than its error"))
         } else {
             Some(format!(
-                "the {} of a mean that is not above 0, at least in one of its leave-one-out ensembles: take more realisations, or \
-                 transform = \"mean\"",
+                "the {} of a mean that is not above 0, or over one, at least in one of its leave-one-out ensembles: a spectrum of \
+                 almost nothing takes more realisations, one of 0 no other transform than \"mean\"",
                 transform.name()
             ))
         };

@@ -111,3 +111,7 @@ fn weights(xs: &[f64], k: usize, t: f64) -> Vec<f64> {
     }
     weights
 }
+
+#[cfg(test)]
+#[path = "continuous_tests.rs"]
+mod tests;

@@ -1,6 +1,6 @@
 //! Papers of prints: measured ones, and some that would be taken for others.
 
-use super::DOTS;
+use super::{DOTS, Place, ink_of_thickness, lab};
 use crate::run_support::{TINY, results, study, succeed};
 use serde_json::Value;
 use std::path::Path;
@@ -182,4 +182,22 @@ fn papers_that_would_be_taken_for_others_are_refused() {
     }
     let told = checked(scratch.path(), &visible("45:0")).expect_err("a contradiction");
     assert!(told.contains("paper.measured.geometry") && told.contains("where the file states"), "{told}");
+}
+
+/// Paper that varies between the wavelengths of a study: the solid of a table of prints is the print of the page, which sums the paper
+/// as it is given. *Planted*: prints summed at the study's wavelengths (a* 0 for 8).
+#[test]
+fn prints_take_the_paper_between_the_wavelengths() {
+    let place = Place::new();
+    let dip = "albedo = [[400, 0.9], [540, 0.9], [550, 0.3], [560, 0.9], [700, 0.9]]";
+    let text = ink_of_thickness(0.5).replace("albedo = 0.93", dip);
+    let results = place.run("dip", &format!("{text}{DOTS}"));
+    let page = results["colours"].as_array().unwrap().iter().find(|colour| colour["conditions"] == "45°:0°");
+    let page: Vec<f64> =
+        page.unwrap()["lab"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    let prints = results["prints"]["prints"].as_array().unwrap();
+    let solid = lab(prints.iter().find(|print| print["nominal"] == 1.0).unwrap());
+    assert!(page[1] > 5.0, "the paper is seen: {page:?}");
+    // both take steps of 5 nm, one the film and one its interpolation
+    assert!(page.iter().zip(solid).all(|(page, solid)| (page - solid).abs() < 0.01), "{page:?} {solid:?}");
 }

@@ -227,7 +227,7 @@ impl BackingReader<'_> {
             }
             FluorescenceWritten::Pair { .. } => return paper,
         };
-        if self.faults.0.len() > before || self.tables.wavelengths_nm.len() < 2 {
+        if self.faults.0.len() > before || self.lacks_wavelengths("paper.fluorescence") {
             return paper;
         }
         self.light_excites(&fluorescence);
@@ -260,6 +260,18 @@ impl BackingReader<'_> {
         let taken = |nm: f64| if is_measured(nm) { 0.0 } else { brightener.absorbed(nm) };
         let row = |nm: f64| Some([nm, albedo.at(nm).ok()? * (1.0 - taken(nm))]);
         Albedo::Spectral(nm.into_iter().filter_map(row).collect())
+    }
+
+    /// Whether the wavelengths are too few for what excites and what is emitted; none at all have
+    /// been told by another error.
+    pub(super) fn lacks_wavelengths(&mut self, field: &str) -> bool {
+        let wavelengths_nm = self.tables.wavelengths_nm;
+        if let [nm] = wavelengths_nm {
+            let allowed = "two or more wavelengths, from those that excite to those that are emitted";
+            let remedy = "light.from_nm = 300 and light.to_nm = 700, or leave the brightener out";
+            self.faults.add(field, format!("light of {nm} nm alone"), allowed, remedy);
+        }
+        wavelengths_nm.len() < 2
     }
 
     /// Rows that rise in wavelength and hold values from 0.

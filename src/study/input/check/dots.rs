@@ -60,7 +60,12 @@ impl DotsReader<'_, '_> {
             let given = ruling_per_cm.is_some() || spread_um.is_some() || physical_gain != 0.0;
             if given || !self.file.inks.is_empty() {
                 let field = if given { "dots" } else { "ink" };
-                let remedy = "add [[area]] with coverage = [0.25, 0.5, 0.75], or remove it";
+                let remedy = match self.file.inks.is_empty() {
+                    true => "add [[area]] with coverage = [0.25, 0.5, 0.75], or remove it",
+                    false => {
+                        "add an [[area]] for every overprint, such as inks = [\"cyan\"], with what it bears"
+                    }
+                };
                 self.faults.add(field, "a screen without areas", "a screen with [[area]]", remedy);
             }
             return None;
@@ -227,7 +232,11 @@ impl DotsReader<'_, '_> {
                 self.faults.add(field, "a value", allowed, "remove it, and write inks = [\"cyan\"]");
             }
             let mut set = 0;
-            for name in &area.inks {
+            for (place, name) in area.inks.iter().enumerate() {
+                if area.inks[..place].contains(name) {
+                    let field = format!("area[{i}].inks");
+                    self.faults.add(field, format!("{name} twice"), "each ink once", "remove one of the two");
+                }
                 match inks.iter().position(|ink| ink.name == *name) {
                     Some(ink) => set |= 1 << ink,
                     None => {

@@ -67,7 +67,19 @@ impl CompareTable {
             viewing: judgement.viewing.clone(),
             ..MeasuredRequest::default()
         };
-        let reading = match MeasuredReading::new(&tables.folder.join(file_name), &request) {
+        let path = tables.folder.join(file_name);
+        // a file that states no condition was measured under the one that the study names
+        let unstated = || {
+            let request = MeasuredRequest { condition: None, ..request.clone() };
+            let condition = self.condition?;
+            let reading =
+                MeasuredReading::new(&path, &request).ok().filter(|reading| reading.condition.is_none())?;
+            let remark =
+                format!("the file states no condition, and is taken as measured under {}", condition.name());
+            let remarks = reading.remarks.iter().cloned().chain([remark]).collect();
+            Some(MeasuredReading { condition: Some(condition), remarks, ..reading })
+        };
+        let reading = match MeasuredReading::new(&path, &request).or_else(|error| unstated().ok_or(error)) {
             Ok(reading) => reading,
             Err(error) => {
                 let allowed = "a spectrum of reflectances at 45:0, or L*, a*, b*, as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17";
@@ -86,8 +98,8 @@ impl CompareTable {
                     condition.name()
                 ),
                 None => format!(
-                    "compare.measured: the file states no condition (M0, M1, M2), and the paper is brightened: compared in the light of \
-                     illuminant {illuminant}"
+                    "compare.measured: the file states no condition, and the paper is brightened: compared in the light of \
+                     illuminant {illuminant}; compare.condition = \"M1\" says another (M0, M1, M2)"
                 ),
             });
         }

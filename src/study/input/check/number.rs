@@ -81,6 +81,9 @@ fn weights(
     }
 }
 
+/// Words for spectra, by which no column of weights is named.
+const MEASURED: [&str; 4] = ["reflect", "transmitt", "absor", "albedo"];
+
 fn read(path: &Path, column: Option<&str>) -> Result<WeightTable, String> {
     let columns = Columns::read(path).map_err(|error| error.to_string())?;
     let of_file = |what: String| format!("{}: {what}", path.display());
@@ -91,6 +94,9 @@ fn read(path: &Path, column: Option<&str>) -> Result<WeightTable, String> {
         columns.names.iter().enumerate().filter(|(k, _)| *k != nm).map(|(_, name)| name).collect();
     let wanted = match (column, others.as_slice()) {
         (Some(name), _) => name.to_lowercase(),
+        (None, [only]) if MEASURED.iter().any(|name| only.to_lowercase().contains(name)) => {
+            return Err(of_file(format!("a column {only}, which is a spectrum and no weights")));
+        }
         (None, [only]) => (*only).clone(),
         (None, _) => "weight".to_owned(),
     };

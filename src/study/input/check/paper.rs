@@ -95,6 +95,7 @@ impl PaperTable {
                 let albedo = match read("paper.albedo", &path, &request, faults, remarks) {
                     Some(read) => {
                         remarks.extend(holds_mirrored(&path, read.geometry.as_ref()));
+                        remarks.extend(measured_outside(&path, read.geometry.as_ref(), *coupling));
                         let used = used_rows(read.rows, request.used_nm);
                         spectral("paper.albedo.csv", used, tables.wavelengths_nm, faults)
                     }
@@ -125,6 +126,18 @@ pub(super) fn source_of(path: &Path, csv: &str, patch: Option<&Patch>) -> String
         Some(patch) => format!("{name}: {patch}"),
         None => name.into_owned(),
     }
+}
+
+/// Remark on an inner albedo whose file says that it was measured from outside.
+fn measured_outside(path: &Path, geometry: Option<&MeasuredGeometry>, coupling: Coupling) -> Option<String> {
+    let Coupling::OpticalContact { .. } = coupling else { return None };
+    let stated = geometry.filter(|stated| **stated != MeasuredGeometry::Sphere(Some(true)))?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Some(format!(
+        "paper.albedo: {name} states {}, so these are factors of bare paper and lower than its albedo behind the surface: \
+         measured = {{ csv = … }} finds that from them",
+        stated.name()
+    ))
 }
 
 /// Remark on an albedo that was measured with mirrored light.
@@ -162,8 +175,15 @@ pub(super) fn spectral(
         faults.add(field, found, "wavelengths in nm", "multiply the wavelengths by 1000");
     } else if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
         let allowed = "two or more rows [wavelength in nm, albedo], rising, that cover [light]";
-        let remedy =
-            "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it";
+        let rises = rows.len() > 1 && rows.is_sorted_by(|one, next| one[0] < next[0]);
+        let remedy = match rises {
+            false => {
+                "sort the rows by wavelength, each once; one albedo for all wavelengths is a number, albedo = 0.9"
+            }
+            true => {
+                "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it"
+            }
+        };
         faults.add(field, error, allowed, remedy);
     }
     albedo

@@ -79,6 +79,9 @@ impl BackingReader<'_> {
                 return paper;
             }
         }
+        if self.lacks_wavelengths(field) {
+            return paper;
+        }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         if from_nm > PAIR_FROM_NM {
             let allowed = format!("light from {PAIR_FROM_NM} nm or below, which excites a brightener");
