@@ -60,7 +60,12 @@ pub fn compose(args: &ComposeArgs) -> Result<()> {
     let library = from_file(&args.library).map_err(refusal)?;
     let composition: Composition = read(&args.composition)?;
     let found = composed(&library, &composition);
-    let found = found.map_err(|reason| miette!("{}: {reason}", args.composition.display()))?;
+    let found = found.map_err(|reason| {
+        let plates: Vec<&str> = library.plates.iter().map(|plate| plate.name.as_str()).collect();
+        let plates = plates.join(", ");
+        let help = format!("`inkwave schema composition` has every key; plates of this library: {plates}");
+        miette!(help = help, "{}: {reason}", args.composition.display())
+    })?;
     if let Some(path) = &args.output {
         write(path, &serde_json::to_string_pretty(&found).into_diagnostic()?)?;
     }

@@ -155,7 +155,11 @@ impl Coupling {
 /// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in
 /// between.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(untagged))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(untagged, expecting = "an albedo: a number from 0 to 1, or rows of wavelength in nm and albedo")
+)]
 pub enum Albedo {
     /// One albedo for all wavelengths, 0 to 1.
     Constant(f64),

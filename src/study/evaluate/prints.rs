@@ -94,6 +94,26 @@ pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     nm.iter().zip(&bare).map(factor).collect()
 }
 
+/// What a study's bare paper does of L*, a*, b* at 45:0 under D65 between its wavelengths.
+pub(super) fn paper_between(study: &Study) -> [f64; 3] {
+    let nm = &study.wavelengths_nm;
+    let viewing = Viewing::default();
+    let eye = Colorimeter::under(&nm[visible(nm)], &viewing).ok();
+    let Some((between, eye)) = PaperBetween::new(&study.paper, nm, &viewing).zip(eye) else {
+        return [0.0; 3];
+    };
+    let bare = vec![bare_area(study.paper.coupling); nm.len()];
+    let mix = AreaMix::whole();
+    let daylight = Brightened::new(&study.paper, nm, &viewing, 0.0);
+    let emitted = daylight.as_ref().map(|light| light.below(&mix, &[&bare], nm));
+    let beyond = between.beyond(&mix, &[&bare], emitted.as_ref(), nm);
+    let factors = bare_factors(study);
+    let Ok(xyz) = eye.xyz(&factors[visible(nm)]) else { return [0.0; 3] };
+    let coarse = eye.colour_of(xyz).lab;
+    let fine = eye.colour_of(std::array::from_fn(|c| xyz[c] + beyond[c])).lab;
+    std::array::from_fn(|i| fine[i] - coarse[i])
+}
+
 /// A print as it is seen at 45:0.
 struct SeenPrint {
     /// Radiance factors at the study's wavelengths.

@@ -120,7 +120,11 @@ fn in_words(kind: &str) -> String {
         "i64" | "i32" | "isize" => "a whole number".into(),
         "a boolean" => "true or false".into(),
         other => {
-            other.strip_prefix("struct ").map_or_else(|| other.to_owned(), |name| format!("a table ({name})"))
+            if other.starts_with("struct ") {
+                "a table".into()
+            } else {
+                other.to_owned()
+            }
         }
     }
 }

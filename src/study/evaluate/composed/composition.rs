@@ -157,7 +157,9 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     let mut colours = None;
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
-        let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], fluoresces };
+        // a composition's paper is that of the library's wavelengths, in the page and in Python too
+        let paper = [0.0; 3];
+        let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
         let (found, without) = in_colour.colours(numbers);
         colours = Some(found);
         withheld.extend(without);

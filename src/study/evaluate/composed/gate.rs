@@ -80,6 +80,8 @@ pub struct LayerInColour<'a> {
     pub all: &'a [ComposedRow],
     /// The rows after the gate.
     pub kept: &'a [ComposedRow],
+    /// What the paper does between the wavelengths, of L*, a*, b* of the bare paper.
+    pub paper: [f64; 3],
     /// Whether the paper fluoresces, so that prints may be lighter than white.
     pub fluoresces: bool,
 }
@@ -99,11 +101,12 @@ impl LayerInColour<'_> {
         };
         let sky = Brightest::under_sky(self.fluoresces);
         let one_side = Brightest::AboveWhite;
-        let natural_light = self.judged(|row| row.layer.natural_light, numbers.natural_light, sky);
+        let natural_light =
+            self.judged(|row| row.layer.natural_light, numbers.natural_light, (sky, self.paper));
         let natural_light = keep(natural_light, "under natural light");
-        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, one_side);
+        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, (one_side, self.paper));
         let lit_at_45 = keep(lit_at_45, "at 45°:0°");
-        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, one_side);
+        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, (one_side, [0.0; 3]));
         let over_black = keep(over_black, "at 45°:0° over black");
         let contrast_ratio = match self.contrast_ratio(numbers.contrast_ratio) {
             Ok(ratio) => Some(ratio),
@@ -137,12 +140,13 @@ impl LayerInColour<'_> {
         &self,
         spectrum: LayerSpectrum,
         lab: Lab<ErrorParts>,
-        brightest: Brightest,
+        (brightest, paper): (Brightest, [f64; 3]),
     ) -> Result<JudgedColour, String> {
         let values = self.values(spectrum);
         let colour = self.eye.colour(&values).map_err(|error| error.to_string())?;
         let mut shifts = self.eye.spacing(&values, colour.xyz, None);
         shifts.extend(self.eye.beyond(&values, colour.xyz));
+        shifts.push(paper);
         let lab: Lab<ErrorParts> = std::array::from_fn(|c| {
             let wavelengths = shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c]));
             ErrorParts { wavelengths, ..lab[c] }.summed()
@@ -232,11 +236,13 @@ mod tests {
             let mut kept = rows.clone();
             let numbers = ColourNumbers::unknown().map(|_| number(0.5, 0.1).unwrap());
             let (colours, withheld) =
-                LayerInColour { eye: &eye, all: &rows, kept: &kept, fluoresces: false }.colours(&numbers);
+                LayerInColour { eye: &eye, all: &rows, kept: &kept, paper: [0.0; 3], fluoresces: false }
+                    .colours(&numbers);
             assert!(withheld.is_empty(), "{withheld:?}");
             kept[1].layer.natural_light = None;
             let (less, withheld) =
-                LayerInColour { eye: &eye, all: &rows, kept: &kept, fluoresces: false }.colours(&numbers);
+                LayerInColour { eye: &eye, all: &rows, kept: &kept, paper: [0.0; 3], fluoresces: false }
+                    .colours(&numbers);
             assert!(less.natural_light.is_none() && less.hex.is_none() && less.lit_at_45.is_some());
             assert_eq!(withheld.len(), 1);
             assert!(colours.contrast_ratio.unwrap().wavelengths >= 0.0);

@@ -42,7 +42,8 @@ impl CompositionDots {
     /// Coverages, rulings and lengths that there are not; coverages of the whole and of layers.
     pub(super) fn areas(&self, layers: &[CompositionLayer]) -> Result<KindsOfArea, String> {
         let judge = |field: &str, value: f64, from: f64, to: f64| {
-            let words = format!("{field}: found {value}; allowed {from} to {to}");
+            let share = if to == 1.0 { ": write a share, such as 0.6 for 60 %" } else { "" };
+            let words = format!("{field}: found {value}; allowed {from} to {to}{share}");
             (from..=to).contains(&value).then_some(()).ok_or(words)
         };
         judge("dots.ruling_per_cm", self.ruling_per_cm, 1.0, 1000.0)?;

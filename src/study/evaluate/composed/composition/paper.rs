@@ -142,7 +142,9 @@ impl CompositionFluorescence {
                 rising(".excitation", excitation, 1.0)?;
                 rising(".emission", emission, f64::MAX)?;
                 if !(0.0..=1.0).contains(quantum_yield) {
-                    return Err(format!(".yield: found {quantum_yield}; allowed 0 to 1"));
+                    return Err(format!(
+                        ".yield: found {quantum_yield}; allowed 0 to 1: 0.5 to 0.9 are usual"
+                    ));
                 }
                 Ok(Fluorescence::Bands {
                     excitation: excitation.clone(),

@@ -9,6 +9,7 @@ use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::composed::{
     AbsorbedRow, ComposedColours, ComposedRow, DistributionRow, MediumRow,
 };
+use crate::evaluate::prints::paper_between;
 use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Withheld};
 use crate::evaluate::quantities::{Distribution, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::input::study::Study;
@@ -49,7 +50,8 @@ impl ThicknessRows {
         self.withheld.extend(gate::rows(&mut kept, fluoresces));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
-            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], fluoresces };
+            let paper = paper_between(task.study);
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
