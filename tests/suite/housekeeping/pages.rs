@@ -20,17 +20,13 @@ fn generated_pages_are_as_they_were_generated() {
 }
 
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
-const OLDER: [(&str, &str); 10] = [
+const OLDER: [(&str, &str); 9] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 14 leave alone"),
     (
         "reports/comparison",
         "single cells of the requested volume fraction, which methods 2, 3 and 6 to 14 leave alone",
     ),
     ("reports/peers", "layers solved at once, which methods 8 to 14 leave alone"),
-    (
-        "reports/latest",
-        "method 13: since then slabs of grains lighter than their binder in libraries alone, which no claim holds",
-    ),
     (
         "reports/paper-study",
         "totals and colours of single layers under a whole sky, which methods 10 to 14 leave alone",

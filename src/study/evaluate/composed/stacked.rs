@@ -21,6 +21,8 @@ pub struct StackTask<'a> {
     composed: &'a Composed,
     /// \[wavelength\]
     media: Vec<StackMedia>,
+    /// Index of every layer itself, \[wavelength\]\[layer\].
+    own: Vec<Vec<f64>>,
 }
 
 /// The layers of a stack that are there.
@@ -58,7 +60,10 @@ impl<'a> StackTask<'a> {
     /// `None` for studies that are no stack of plates.
     pub fn new(study: &'a Study) -> Option<Self> {
         let composed = study.composed().filter(|composed| !composed.layers.is_empty())?;
-        Some(Self { study, composed, media: study.stack_media() })
+        let layers: Vec<Study> = (0..study.stack.len()).map(|layer| study.of_layer(layer)).collect();
+        let own = |nm: &f64| layers.iter().map(|layer| layer.embedding_index(1e-3 * nm)).collect();
+        let own = study.wavelengths_nm.iter().map(own).collect();
+        Some(Self { study, composed, media: study.stack_media(), own })
     }
 
     /// The stack at every wavelength, its varied layer `thickness_um` thick.
@@ -194,21 +199,21 @@ impl<'a> StackTask<'a> {
         count: f64,
         change: Change,
     ) -> Result<Vec<StackElement>, String> {
-        let Around { layer, media, wavelength } = *around;
+        let Around { layer, wavelength, .. } = *around;
         let mean = |position| level.mean([layer, wavelength], position, change);
-        slab_elements(mean, level.halved, count, media.within[layer], layer)
+        slab_elements(mean, level.halved, count, self.own[wavelength][layer], layer)
             .ok_or_else(|| format!("layer {} has no complete realisation yet", self.study.stack[layer].name))
     }
 }
 
 /// The elements of a layer of `count` slabs of the thickness that is not halved, from the mean
-/// portion at every position; `None` if one is missing. `within` is the index that the layer is
-/// compared with.
+/// portion at every position; `None` if one is missing. `own` is the index of the even medium that
+/// the layer is compared with; slabs between half-spaces of another index mirror the steps to it.
 pub(super) fn slab_elements(
     mean: impl Fn(Position) -> Option<MeanSlab>,
     is_halved: bool,
     count: f64,
-    within: f64,
+    own: f64,
     layer: usize,
 ) -> Option<Vec<StackElement>> {
     let count = if is_halved { 2.0 * count } else { count };
@@ -224,10 +229,16 @@ pub(super) fn slab_elements(
     let mut elements = Vec::new();
     for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
         let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean(position)?;
+        let inside = match position {
+            Position::Back => &before,
+            _ => &behind,
+        };
+        let is_stepped = position != Position::Whole && (inside.ordinates.index - own).abs() > SAME_INDEX;
+        let mirrors = if is_stepped { Mirrors::OnBothSides } else { mirrors };
         let film = SolvedElement {
             amplitudes: coherent,
             between: [before.ordinates.index, behind.ordinates.index],
-            index: within,
+            index: own,
             thickness_um: slab_um,
             mirrors,
             count,

@@ -31,7 +31,7 @@ impl LayerTable {
         faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
         for (zone, count) in table.directions.into_iter().enumerate() {
             let field = format!("layer.composed.directions[{zone}]");
-            let remedy = "3 is enough: errors are below 5e-4";
+            let remedy = "3 is usual; 5 shows what more directions change";
             faults.whole(&field, count, limits::ZONE_DIRECTIONS, remedy);
         }
         if let Some(index) = table.joint_index {

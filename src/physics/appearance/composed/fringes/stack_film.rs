@@ -12,6 +12,17 @@
 //! Redheffer, J. Math. Phys. 41 (1962) 1). The product goes over the whole stack: what the mean
 //! wave does in one layer depends on the faces of all others.
 //!
+//! Of n elements that are alike, each with the amplitudes r and t, with ρ + 1/ρ = (1 + r² − t²)/r and
+//! e = t/(1 − ρ r) (G. Stokes, Proc. R. Soc. 11 (1862) 545):
+//!
+//! ```text
+//! r_n = ρ (1 − e²ⁿ)/(1 − ρ² e²ⁿ)      t_n = eⁿ (1 − ρ²)/(1 − ρ² e²ⁿ)
+//! ```
+//!
+//! Slabs that were solved between half-spaces of another index than their own mirror the steps to
+//! these, which cancel between neighbours: the product of amplitudes knows that, and that of powers
+//! has what composing makes of them.
+//!
 //! Between the directions that were solved, polynomials give what an element differs by from an
 //! even film of its thickness: the logarithm of t, and r and r′ less those of that film, with the
 //! phase of the depth at which the wave is reflected taken off.
@@ -59,8 +70,7 @@ pub struct SolvedElement {
 /// The faces of an element at which its medium ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mirrors {
-    /// None: the medium goes on on both sides. What such a slab mirrors is the step to the
-    /// half-spaces that it is solved between, which is not in the layer.
+    /// None: the medium goes on on both sides, in half-spaces of its own index.
     Nowhere,
     /// The front one.
     InFront,
@@ -142,6 +152,68 @@ impl FilmMatrix<Complex64> {
 impl FilmMatrix<f64> {
     pub(super) fn then(self, behind: Self) -> Self {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT))
+    }
+}
+
+/// Loss of an element, and what it mirrors, below which there is nothing to compose but the rest.
+const LOSSLESS: f64 = 1e-12;
+
+impl FilmMatrix<Complex64> {
+    /// `count` of these one behind another, a part of one included; `way` is what tells between the
+    /// logarithms of a part.
+    pub(super) fn repeated(self, count: f64, way: Complex64) -> Self {
+        if count == 1.0 {
+            return self;
+        }
+        let mirrored = 0.5 * (self.reflected[0] + self.reflected[1]);
+        let own = eigenwave(mirrored, self.transmitted);
+        let mut log = logarithm(self.transmitted / (1.0 - own * mirrored));
+        log.im += TAU * ((way.im - log.im) / TAU).round();
+        let onward = (log * count).exp();
+        let back = onward * onward;
+        let divisor = 1.0 - own * own * back;
+        Self {
+            reflected: [own * (1.0 - back) / divisor; 2],
+            transmitted: onward * (1.0 - own * own) / divisor,
+        }
+    }
+}
+
+/// The amplitude ρ that a half-space of such elements mirrors: the root within the unit circle.
+fn eigenwave(mirrored: Complex64, transmitted: Complex64) -> Complex64 {
+    if mirrored.norm() < LOSSLESS {
+        return Complex64::ZERO;
+    }
+    let half = (1.0 + mirrored * mirrored - transmitted * transmitted) / (2.0 * mirrored);
+    let root = (half * half - 1.0).sqrt();
+    let [one, other] = [half - root, half + root];
+    if one.norm() <= other.norm() { one } else { other }
+}
+
+impl FilmMatrix<f64> {
+    /// `count` of these one behind another without interference.
+    pub(super) fn repeated(self, count: f64) -> Self {
+        if count == 1.0 {
+            return self;
+        }
+        let mirrored = 0.5 * (self.reflected[0] + self.reflected[1]);
+        let passed = self.transmitted;
+        if mirrored < LOSSLESS {
+            return Self { reflected: [0.0; 2], transmitted: passed.powf(count) };
+        }
+        if 1.0 - mirrored - passed < LOSSLESS {
+            let transmitted = passed / (passed + count * mirrored);
+            return Self { reflected: [1.0 - transmitted; 2], transmitted };
+        }
+        let half = (1.0 + mirrored * mirrored - passed * passed) / (2.0 * mirrored);
+        let own = half - (half * half - 1.0).max(0.0).sqrt();
+        let onward = (passed / (1.0 - own * mirrored)).powf(count);
+        let back = onward * onward;
+        let divisor = 1.0 - own * own * back;
+        Self {
+            reflected: [own * (1.0 - back) / divisor; 2],
+            transmitted: onward * (1.0 - own * own) / divisor,
+        }
     }
 }
 
@@ -270,7 +342,8 @@ impl StackFilm {
         front.then(through).then(plane(index, behind, sine, polarisation))
     }
 
-    /// An element at a lateral wavenumber; `weights` are those of the known directions.
+    /// An element at a lateral wavenumber as waves and as powers; `weights` are those of the known
+    /// directions.
     fn element(
         &self,
         element: &FilmElement,
@@ -278,13 +351,16 @@ impl StackFilm {
         weights: &[f64],
         polarisation: usize,
         sine: f64,
-    ) -> FilmMatrix<Complex64> {
+    ) -> (FilmMatrix<Complex64>, FilmMatrix<f64>) {
+        let alone = |matrix: FilmMatrix<Complex64>| (matrix, matrix.powers());
         let solved = match element {
             FilmElement::Solved(solved) => solved,
-            FilmElement::Face([before, behind]) => return plane(*before, *behind, sine, polarisation),
+            FilmElement::Face([before, behind]) => {
+                return alone(plane(*before, *behind, sine, polarisation));
+            }
             FilmElement::Even { index, thickness_um } => {
                 let transmitted = (Complex64::I * self.phase(*index, *thickness_um, sine)).exp();
-                return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
+                return alone(FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted });
             }
         };
         let mut here = Beyond::default();
@@ -299,16 +375,18 @@ impl StackFilm {
         if solved.mirrors == Mirrors::Nowhere {
             let once = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine);
             let transmitted = ((once + here.passed) * solved.count).exp();
-            return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
+            return alone(FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted });
         }
         let even = self.even_film(solved, polarisation, sine, here.passed);
         // the film's own t holds what goes to and fro in it: so do both here and in `passed`
         let straight = self.even_film(solved, polarisation, sine, Complex64::ZERO);
         let phases = self.depths(solved, sine, here.passed);
-        FilmMatrix {
+        let one = FilmMatrix {
             reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
             transmitted: straight.transmitted * here.passed.exp(),
-        }
+        };
+        let way = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine) + here.passed;
+        (one.repeated(solved.count, way), one.powers().repeated(solved.count))
     }
 
     /// The mean field of the whole stack at a lateral wavenumber.
@@ -323,8 +401,7 @@ impl StackFilm {
         let mut powers = whole.powers();
         let mut front = None;
         for (element, beyond) in self.elements.iter().zip(beyond) {
-            let next = self.element(element, beyond, weights, polarisation, sine);
-            let next_powers = next.powers();
+            let (next, next_powers) = self.element(element, beyond, weights, polarisation, sine);
             front = front.or(Some([next_powers.reflected[0], next_powers.transmitted]));
             whole = whole.then(next);
             powers = powers.then(next_powers);
@@ -345,7 +422,7 @@ impl StackFilm {
             let phases = [0.0, edge].map(|sine| self.phase(index, thickness_um, sine).re);
             fringes += 2.0 * (phases[0] - phases[1]) / TAU;
             let only = [1.0];
-            let at_normal = self.element(element, &beyond[..1], &only, polarisation, 0.0);
+            let (at_normal, _) = self.element(element, &beyond[..1], &only, polarisation, 0.0);
             seen *= at_normal.transmitted.norm_sqr();
             if seen < FAINT {
                 break;
@@ -377,5 +454,50 @@ fn unwrap(rising_angles: &mut [Complex64]) {
     for k in 1..rising_angles.len() {
         let turns = (rising_angles[k].im - rising_angles[k - 1].im) / TAU;
         rising_angles[k].im -= TAU * turns.round();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An even film between other media, cut into slabs that were each solved between these: the
+    /// steps to them cancel, and n slabs are the film. *Planted*: their mirroring left out.
+    #[test]
+    fn slabs_with_steps_are_the_film_of_their_thickness() {
+        let (outside, index) = (Complex64::from(1.558), Complex64::new(1.47, 0.004));
+        for polarisation in [0, 1] {
+            for sine in [0.0, 0.7, 1.3] {
+                let film = |um: f64| {
+                    let phase = Complex64::I * TAU / 0.5 * normal(index, sine) * um;
+                    let way = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: phase.exp() };
+                    let faces = [
+                        plane(outside, index, sine, polarisation),
+                        plane(index, outside, sine, polarisation),
+                    ];
+                    (faces[0].then(way).then(faces[1]), phase)
+                };
+                let (slab, way) = film(0.4);
+                for count in [1.0, 4.0, 6.5, 300.0] {
+                    let (whole, _) = film(0.4 * count);
+                    let found = slab.repeated(count, way);
+                    let apart = (found.reflected[0] - whole.reflected[0]).norm()
+                        + (found.transmitted - whole.transmitted).norm();
+                    assert!(apart < 1e-9, "{polarisation} {sine} {count}: {found:?} {whole:?}");
+                }
+            }
+        }
+    }
+
+    /// Powers of slabs as composing makes them; of slabs without loss, too.
+    #[test]
+    fn powers_are_those_of_slabs_one_behind_another() {
+        for (mirrored, transmitted) in [(0.01, 0.9), (0.3, 0.7), (0.0, 0.8), (0.05, 0.95)] {
+            let slab = FilmMatrix { reflected: [mirrored; 2], transmitted };
+            let three = slab.then(slab).then(slab);
+            let found = slab.repeated(3.0);
+            assert!((found.reflected[0] - three.reflected[0]).abs() < 1e-10, "{found:?} {three:?}");
+            assert!((found.transmitted - three.transmitted).abs() < 1e-10, "{found:?} {three:?}");
+        }
     }
 }

@@ -142,10 +142,11 @@ impl TrappedElement {
             let turned = turned / turned.norm().max(1.0);
             return FilmMatrix { reflected: [turned, Complex64::ZERO], transmitted: Complex64::ZERO };
         }
-        FilmMatrix {
+        let one = FilmMatrix {
             reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
             transmitted: even.transmitted * here.further.exp(),
-        }
+        };
+        one.repeated(count, film.phase(here.squared, sine) + here.further)
     }
 
     /// Powers in a known direction.
@@ -162,7 +163,7 @@ impl TrappedElement {
                 if film.mirrors == Mirrors::Nowhere {
                     return FilmMatrix { reflected: [0.0; 2], transmitted: passed.powf(*count) };
                 }
-                FilmMatrix { reflected: [front, behind], transmitted: passed }
+                FilmMatrix { reflected: [front, behind], transmitted: passed }.repeated(*count)
             }
             plain => plain.at(&[], sine, polarisation, wavenumber).powers(),
         }
