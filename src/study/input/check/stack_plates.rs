@@ -25,7 +25,12 @@ pub(super) fn compose(
     faults.number("stack.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
     for (zone, count) in table.directions.into_iter().enumerate() {
         let field = format!("stack.composed.directions[{zone}]");
-        faults.whole(&field, count, limits::ZONE_DIRECTIONS, "3 is usual; 5 shows what more directions change");
+        faults.whole(
+            &field,
+            count,
+            limits::ZONE_DIRECTIONS,
+            "3 is usual; 5 shows what more directions change",
+        );
     }
     let is_listed = |layer: &StackLayerTable| matches!(layer.thickness_um, ThicknessWritten::Several(_));
     let varied = layers.iter().position(is_listed);
