@@ -245,9 +245,10 @@ fn evaluated_and_run(place: &Place, at: [f64; 3], study: &str) -> [Vec<f64>; 2] 
     let number = |i: usize| {
         let lab = i / 2;
         let name = ["value", "standard_error"][i % 2];
-        match own["colours"].as_array().unwrap().last().unwrap() {
-            whole if whole["lab"].is_array() => whole[["lab", "lab_standard_error"][i % 2]][lab].as_f64(),
-            composed => composed["natural_light"][lab][name].as_f64(),
+        let colours = own["colours"].as_array().unwrap();
+        match colours.iter().find(|colour| colour["conditions"] == "natural light") {
+            Some(whole) => whole[["lab", "lab_standard_error"][i % 2]][lab].as_f64(),
+            None => colours.last().unwrap()["natural_light"][lab][name].as_f64(),
         }
     };
     [shown.collect(), (0..6).map(|i| number(i).unwrap_or_else(|| panic!("{own}"))).collect()]

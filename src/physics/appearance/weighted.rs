@@ -31,8 +31,7 @@ const MOST_BEND: f64 = 0.4;
 const DRIFT_PER_NM: f64 = 0.003;
 /// The most that it drifts.
 const MOST_DRIFT: f64 = 0.4;
-/// The same below the grid, where what is white to the eye begins to absorb: an edge takes a few
-/// tens of nm.
+/// The same below the grid: white pigments begin to absorb there, within a few tens of nm.
 const DRIFT_BELOW_PER_NM: f64 = 0.02;
 /// The most of that: half-way to black from white.
 const MOST_DRIFT_BELOW: f64 = 0.5;

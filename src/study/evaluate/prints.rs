@@ -94,20 +94,25 @@ pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     nm.iter().zip(&bare).map(factor).collect()
 }
 
-/// What a study's bare paper does of L*, a*, b* at 45:0 under D65 between its wavelengths.
-pub(super) fn paper_between(study: &Study) -> [f64; 3] {
-    let nm = &study.wavelengths_nm;
-    let viewing = Viewing::default();
-    let eye = Colorimeter::under(&nm[visible(nm)], &viewing).ok();
-    let Some((between, eye)) = PaperBetween::new(&study.paper, nm, &viewing).zip(eye) else {
-        return [0.0; 3];
-    };
-    let bare = vec![bare_area(study.paper.coupling); nm.len()];
+/// What bare paper does of L*, a*, b* at 45:0 between wavelengths, under a light where it
+/// fluoresces.
+pub(super) fn paper_between(
+    paper: &Paper,
+    nm: &[f64],
+    light: Option<&Brightened>,
+    viewing: &Viewing,
+) -> [f64; 3] {
+    let eye = Colorimeter::under(&nm[visible(nm)], viewing).ok();
+    let Some((between, eye)) = PaperBetween::new(paper, nm, viewing).zip(eye) else { return [0.0; 3] };
+    let bare = vec![bare_area(paper.coupling); nm.len()];
     let mix = AreaMix::whole();
-    let daylight = Brightened::new(&study.paper, nm, &viewing, 0.0);
-    let emitted = daylight.as_ref().map(|light| light.below(&mix, &[&bare], nm));
+    let emitted = light.map(|light| light.below(&mix, &[&bare], nm));
     let beyond = between.beyond(&mix, &[&bare], emitted.as_ref(), nm);
-    let factors = bare_factors(study);
+    let factor = |(&nm, area): (&f64, &AreaOptics)| {
+        let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
+        mix.factor(&[*area], paper.albedo.at(nm).unwrap_or(f64::NAN), &emitted)
+    };
+    let factors: Vec<f64> = nm.iter().zip(&bare).map(factor).collect();
     let Ok(xyz) = eye.xyz(&factors[visible(nm)]) else { return [0.0; 3] };
     let coarse = eye.colour_of(xyz).lab;
     let fine = eye.colour_of(std::array::from_fn(|c| xyz[c] + beyond[c])).lab;
@@ -136,7 +141,10 @@ pub struct PrintTask<'a> {
     /// Layers of other runs that some areas bear.
     others: &'a [LayerOptics],
     albedos: Vec<f64>,
+    /// The paper between the wavelengths, of a layer that is solved as a whole.
     between: Option<PaperBetween>,
+    /// What it does there of L*, a*, b* of the bare paper under each light, of a composed layer.
+    open: Vec<[f64; 3]>,
     /// The paper under the light of every condition; one without a light if it does not fluoresce.
     lights: Vec<(Option<MeasuredCondition>, Option<Brightened>)>,
 }
@@ -162,6 +170,9 @@ impl<'a> PrintTask<'a> {
                 vec![lit(MeasuredCondition::M0), lit(MeasuredCondition::M1), lit(MeasuredCondition::M2)]
             }
         };
+        let is_composed = study.composed().is_some();
+        let lit = lights.iter().filter(|_| is_composed);
+        let open = lit.map(|(_, light)| paper_between(&study.paper, nm, light.as_ref(), &viewing)).collect();
         let mixed = dots.as_ref().and_then(|dots| Some((dots, dots.mixed.as_ref()?)));
         let tints: Vec<PrintedTint> = match mixed {
             Some((dots, mixed)) => PrintedTint::all_of(dots, mixed),
@@ -177,13 +188,20 @@ impl<'a> PrintTask<'a> {
             study,
             prints: prints.collect(),
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok()?,
-            between: PaperBetween::new(&study.paper, nm, &viewing),
+            between: if is_composed { None } else { PaperBetween::new(&study.paper, nm, &viewing) },
+            open,
             viewing: viewing.name(),
             others: mixed.map_or(&[][..], |(_, mixed)| mixed.layers.as_slice()),
             bare: bare_area(*coupling),
             albedos: nm.iter().map(|&nm| albedo.at(nm).unwrap_or(f64::NAN)).collect(),
             lights,
         })
+    }
+
+    /// What the paper leaves open of L*, a*, b* of a print of a composed layer.
+    pub(super) fn open_of_paper(&self, print: usize) -> [f64; 3] {
+        let each = self.prints.len() / self.lights.len();
+        self.open.get(print / each).copied().unwrap_or_default()
     }
 
     /// The layers of other runs that some areas bear.

@@ -27,7 +27,7 @@ const MOST_COMPOSED: usize = 28;
 
 /// What is known between the settings of a sweep's axes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Between {
+pub(super) struct VariantsBetween {
     /// Steps from one setting of each axis to the next; 1 where all settings are solved.
     pub steps: Vec<usize>,
     /// The variants between others.
@@ -45,7 +45,7 @@ pub(super) struct BetweenVariant {
     pub outcome: Outcome,
 }
 
-impl Between {
+impl VariantsBetween {
     /// Only the solved settings of `axes` axes.
     fn nothing(axes: usize) -> Self {
         Self { steps: vec![1; axes], variants: Vec::new() }
@@ -56,7 +56,7 @@ impl Between {
         let texts = sweep.texts.iter().map(|text| text.parse()).collect::<Result<Vec<Table>, _>>();
         let nothing = Self::nothing(sweep.outline.axes.len());
         let Ok(texts) = texts else { return nothing };
-        let reading = Reading { sweep, texts, variants: folder.path().join(VARIANTS), stores };
+        let reading = SolvedVariants { sweep, texts, variants: folder.path().join(VARIANTS), stores };
         let steps = reading.steps();
         if steps.iter().all(|&n| n == 1) {
             return nothing;
@@ -68,7 +68,7 @@ impl Between {
 }
 
 /// The solved variants of a sweep.
-struct Reading<'a> {
+struct SolvedVariants<'a> {
     sweep: &'a Sweep,
     /// Their studies as files.
     texts: Vec<Table>,
@@ -77,7 +77,7 @@ struct Reading<'a> {
     stores: &'a Stores,
 }
 
-impl Reading<'_> {
+impl SolvedVariants<'_> {
     /// Steps of every axis that needs no other solves, as fine as the number of variants allows.
     fn steps(&self) -> Vec<usize> {
         let axes = self.sweep.outline.axes.len();

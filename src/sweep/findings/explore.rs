@@ -1,12 +1,12 @@
 //! The interactive page of a sweep: sliders for its axes; for the selected variant its swatch,
-//! spectra, numbers with errors and picture. Between solved settings that are numbers it shows
+//! spectra, numbers with errors and picture. VariantsBetween solved settings that are numbers it shows
 //! variants that are evaluated from the same solves, where these suffice, and interpolates
 //! elsewhere, with the leave-one-out error. One file, no network.
 //!
 //! Spectra are stored as 16-bit multiples of 1/20 000, pictures as PNG and numbers to a millionth,
 //! so that 260 variants take less than 1 MB; `sweep.csv` has all digits.
 
-use super::between::{Between, BetweenVariant};
+use super::between::{BetweenVariant, VariantsBetween};
 use super::continuous::{Continuous, numbers};
 use super::outcome::Outcome;
 use super::reported::{Reported, shown, target_numbers};
@@ -39,7 +39,7 @@ const SPECTRA: [(&str, &str, fn(&PrintRow) -> Option<Estimate>); 4] = [
 ];
 
 /// The page as HTML.
-pub(super) fn page(sweep: &Sweep, reported: &Reported, between: Option<&Between>) -> String {
+pub(super) fn page(sweep: &Sweep, reported: &Reported, between: Option<&VariantsBetween>) -> String {
     let Reported { outcomes, nearest, .. } = reported;
     let outline = &sweep.outline;
     let wavelengths_nm = wavelengths_nm(outcomes);

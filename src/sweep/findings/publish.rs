@@ -1,7 +1,7 @@
 //! Writes a sweep's results from its store, at any time: the page of every variant, the table,
 //! contact sheets, conclusions.
 
-use super::between::Between;
+use super::between::VariantsBetween;
 use super::conclusions::{Judged, judge};
 use super::kept::KeptPages;
 use super::media::{media_table, number_names, numbers_table};
@@ -40,7 +40,7 @@ pub struct Publisher<'a> {
     sweep: &'a Sweep,
     outcomes: Vec<Outcome>,
     /// What is between finished variants, once all are.
-    between: Option<Between>,
+    between: Option<VariantsBetween>,
 }
 
 impl<'a> Publisher<'a> {
@@ -70,7 +70,7 @@ impl<'a> Publisher<'a> {
             pages.keep(variant, &of_variant, outcome)?;
         }
         if self.between.is_none() && self.outcomes.iter().all(Outcome::is_complete) {
-            self.between = Some(Between::new(self.sweep, folder, &stores));
+            self.between = Some(VariantsBetween::new(self.sweep, folder, &stores));
         }
         report(self.sweep, folder, self.outcomes.clone(), self.between.as_ref())
     }
@@ -81,7 +81,7 @@ fn report(
     sweep: &Sweep,
     folder: &OutputFolder,
     outcomes: Vec<Outcome>,
-    between: Option<&Between>,
+    between: Option<&VariantsBetween>,
 ) -> PublishResult<Reported> {
     let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
     let nearest = nearest(&sweep.outline, &outcomes);

@@ -30,7 +30,7 @@ use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
 use crate::evaluate::printed::open_between;
-use crate::evaluate::prints::{Brightened, PrintNumbers};
+use crate::evaluate::prints::{Brightened, PrintNumbers, paper_between};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use crate::input::measured::MeasuredCondition;
@@ -125,6 +125,8 @@ struct CompositionTask<'a> {
     eye: Option<Colorimeter>,
     /// The paper under the light that excites it, where it fluoresces.
     light: Option<Brightened>,
+    /// What the paper does of L*, a*, b* between the wavelengths, bare.
+    paper: [f64; 3],
     /// The print in dots, if it is one.
     areas: Option<KindsOfArea>,
 }
@@ -157,8 +159,7 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     let mut colours = None;
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
-        // a composition's paper is that of the library's wavelengths, in the page and in Python too
-        let paper = [0.0; 3];
+        let paper = task.paper;
         let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
         let (found, without) = in_colour.colours(numbers);
         colours = Some(found);
@@ -197,13 +198,15 @@ impl<'a> CompositionTask<'a> {
             Viewing::new(illuminant, observer, Summation::Plain).map_err(|error| error.to_string())?;
         let paper = paper.checked(library.joint.index, nm)?;
         let albedo = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
+        let light = paper::lit(&paper, nm, *condition, &viewing)?;
         let task = Self {
             library,
+            paper: paper_between(&paper, nm, light.as_ref(), &viewing),
             layers: placed,
             coupling: paper.coupling,
             albedos: nm.iter().map(albedo).collect::<Result<_, _>>()?,
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok(),
-            light: paper::lit(&paper, nm, *condition, &viewing)?,
+            light,
             areas,
         };
         Ok((task, thickness_um))
@@ -296,7 +299,8 @@ impl<'a> CompositionTask<'a> {
     fn between_wavelengths(&self, print: PrintNumbers<ErrorParts>) -> PrintNumbers<ErrorParts> {
         let Some(eye) = &self.eye else { return print };
         let factors: Vec<f64> = print.factors.iter().map(|factor| factor.value).collect();
-        let open = open_between(eye, &factors[visible(&self.library.wavelengths_nm)]);
+        let mut open = open_between(eye, &factors[visible(&self.library.wavelengths_nm)]);
+        open.iter_mut().zip(self.paper).for_each(|(open, paper)| *open = open.hypot(paper));
         let mut lab = print.lab;
         for (lab, wavelengths) in lab.iter_mut().zip(open) {
             *lab = ErrorParts { wavelengths, ..*lab }.summed();

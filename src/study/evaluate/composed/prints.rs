@@ -28,8 +28,10 @@ pub(super) fn prints(
             let values = print.clone().map(&|parts: ErrorParts| parts.value);
             let mut estimates = print.clone().map(&|parts: ErrorParts| parts.estimate());
             let open = task.between_wavelengths(&values.factors);
-            for (lab, open) in estimates.lab.iter_mut().zip(open) {
-                lab.standard_error = lab.standard_error.map(|error| error.hypot(open));
+            let paper = task.open_of_paper(k);
+            for (c, lab) in estimates.lab.iter_mut().enumerate() {
+                let beside = open[c].hypot(paper[c]);
+                lab.standard_error = lab.standard_error.map(|error| error.hypot(beside));
             }
             if let Some(variances) = beside.get(k) {
                 estimates = estimates.zipped(variances.clone(), &|estimate, variance: f64| Estimate {

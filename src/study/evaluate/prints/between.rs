@@ -14,7 +14,7 @@ const SMOOTH: f64 = 1e-12;
 
 /// A place between the wavelengths.
 #[derive(Clone, Debug)]
-struct Between {
+struct PaperPlace {
     nm: f64,
     albedo: f64,
     /// (wavelength, weight) of the sum of the study's wavelengths there.
@@ -26,7 +26,7 @@ struct Between {
 /// The sum of a print's colour over its paper between the wavelengths of a study.
 #[derive(Clone, Debug)]
 pub(super) struct PaperBetween {
-    places: Vec<Between>,
+    places: Vec<PaperPlace>,
     eye: Colorimeter,
 }
 
@@ -50,7 +50,7 @@ impl PaperBetween {
             let albedo = |nm: f64| paper.albedo.at(nm).ok();
             let known = |&(i, share): &(usize, f64)| Some(share * albedo(wavelengths_nm[i])?);
             let smooth = shares.iter().map(known).sum::<Option<f64>>()?;
-            places.push(Between { nm, albedo: albedo(nm)?, shares, smooth });
+            places.push(PaperPlace { nm, albedo: albedo(nm)?, shares, smooth });
         }
         let is_smooth = places.iter().all(|place| (place.albedo - place.smooth).abs() < SMOOTH);
         if is_smooth && paper.fluorescence.is_none() {
@@ -70,7 +70,7 @@ impl PaperBetween {
     ) -> [f64; 3] {
         let at = |nm: f64| emitted.map_or(Vec::new(), |emitted| emitted.relative(nm));
         let of_wavelengths: Vec<Vec<f64>> = wavelengths_nm.iter().map(|&nm| at(nm)).collect();
-        let difference = |place: &Between| {
+        let difference = |place: &PaperPlace| {
             let areas: Vec<AreaOptics> =
                 kinds.iter().map(|kind| AreaOptics::sum(kind, &place.shares)).collect();
             let mut smooth = vec![0.0; of_wavelengths.first().map_or(0, Vec::len)];

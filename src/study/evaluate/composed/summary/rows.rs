@@ -1,6 +1,7 @@
 //! Rows of the published tables, and what of them is withheld.
 
 use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::viewing::Viewing;
 use crate::evaluate::composed::distribution::projected_sr;
 use crate::evaluate::composed::gate::{self, LayerInColour};
 use crate::evaluate::composed::level::Slabs;
@@ -50,7 +51,8 @@ impl ThicknessRows {
         self.withheld.extend(gate::rows(&mut kept, fluoresces));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
-            let paper = paper_between(task.study);
+            let Study { paper, wavelengths_nm, .. } = task.study;
+            let paper = paper_between(paper, wavelengths_nm, task.daylight.as_ref(), &Viewing::default());
             let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
