@@ -97,7 +97,7 @@ pub fn sets(study: &Study, prints: &Prints, created: &str) -> ExportResult<Vec<P
         let words = if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) };
         sets.push(PrintSet {
             name: format!("prints{name}.cgats"),
-            about: format!("prints in dots{words} with XYZ, Lab and spectra, CGATS.17"),
+            about: format!("prints{words} with XYZ, Lab and spectra, CGATS.17"),
             text: cgats(study, prints, &notes, created)?,
         });
     }
@@ -145,7 +145,7 @@ fn cgats(study: &Study, prints: &Prints, notes: &[&PrintNote], created: &str) ->
     let title = plain(&study.title);
     let mut out = "CGATS.17\n\n".to_owned();
     let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", program());
-    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: prints in dots, {title}{thickness}\"");
+    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: prints, {title}{thickness}\"");
     let _ = writeln!(out, "CREATED \"{created}\"");
     for weighting in ["ILLUMINANT, D50", "OBSERVER, 2 degree"] {
         let _ = writeln!(out, "WEIGHTING_FUNCTION \"{weighting}\"");

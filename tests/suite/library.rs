@@ -258,7 +258,7 @@ fn dots_of_every_ink_are_neugebauers_mean() {
 fn slabs_less_dense_than_their_joints_keep_all_light() {
     let text = |slab: &str| {
         format!(
-            "title = \"Light grains\"\n[stack]\nperiod_um = 0.6\ncomposed = {{ joint_index = 1.5 }}\n[[layer]]\nname = \"film\"\n\
+            "title = \"Light grains\"\n[stack]\nperiod_um = 0.6\nindex_out = 1.5\ncomposed = {{ joint_index = 1.5 }}\n[[layer]]\nname = \"film\"\n\
              thickness_um = 1.2\n{slab}binder.index = 1.5\n[[layer.pigment]]\nname = \"light\"\ndiameter_nm = 150\n\
              volume_fraction = 0.2\nindex = 1.35\n[paper]\nalbedo = 1.0\ncoupling = \"optical_contact\"\n[light]\n\
              wavelengths_nm = [450, 600]\n[run]\nrealisations = 2\nseed = 7\n[resolution]\npoints_per_um = 14\nplanes_per_um = 40\n"

@@ -31,9 +31,9 @@ const MOST_BEND: f64 = 0.4;
 const DRIFT_PER_NM: f64 = 0.003;
 /// The most that it drifts.
 const MOST_DRIFT: f64 = 0.4;
-/// The same below the grid: white pigments begin to absorb there, within a few tens of nm.
+/// Standard error per nm below the grid: white pigments begin to absorb there, within tens of nm.
 const DRIFT_BELOW_PER_NM: f64 = 0.02;
-/// The most of that: half-way to black from white.
+/// The most that a spectrum drifts there: half-way to black from white.
 const MOST_DRIFT_BELOW: f64 = 0.5;
 /// Widest of four neighbouring intervals over the narrowest, up to which a cubic runs through them;
 /// polynomials through more uneven wavelengths swing.

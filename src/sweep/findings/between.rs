@@ -22,7 +22,7 @@ const STEPS: [usize; 3] = [8, 4, 2];
 /// Largest number of variants between others: they are evaluated one after the other, in some .03 s
 /// each, and add 1 kB each to the page.
 const MOST: usize = 400;
-/// The same of composed layers, which take a second each.
+/// Largest number of them where layers are composed, which take a second each.
 const MOST_COMPOSED: usize = 28;
 
 /// What is known between the settings of a sweep's axes.

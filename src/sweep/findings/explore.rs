@@ -1,5 +1,5 @@
 //! The interactive page of a sweep: sliders for its axes; for the selected variant its swatch,
-//! spectra, numbers with errors and picture. VariantsBetween solved settings that are numbers it shows
+//! spectra, numbers with errors and picture. Between solved settings that are numbers it shows
 //! variants that are evaluated from the same solves, where these suffice, and interpolates
 //! elsewhere, with the leave-one-out error. One file, no network.
 //!

@@ -12,7 +12,7 @@
 //! Redheffer, J. Math. Phys. 41 (1962) 1). The product goes over the whole stack: what the mean
 //! wave does in one layer depends on the faces of all others.
 //!
-//! Of n elements that are alike, each with the amplitudes r and t, with ρ + 1/ρ = (1 + r² − t²)/r and
+//! Of n elements that are alike, each with amplitudes r and t, with ρ + 1/ρ = (1 + r² − t²)/r and
 //! e = t/(1 − ρ r) (G. Stokes, Proc. R. Soc. 11 (1862) 545):
 //!
 //! ```text
