@@ -185,7 +185,7 @@ mod tests {
         let rising: Vec<f64> = [20.0, 60.0, 120.0, 300.0].map(|cm| spread_share(0.3, 1e-4 * cm, 30.0)).into();
         assert!(rising.windows(2).all(|pair| pair[0] < pair[1]), "{rising:?}");
         assert_eq!(spread_share(0.25, 0.01, 20.0), spread_share(0.75, 0.01, 20.0));
-        // short lengths count in proportion, as in the sum where it holds them; *planted*: the sum alone
+        // short lengths count in proportion; *planted*: the sum of orders alone
         let short = spread_share(0.5, 0.006, 1e-6);
         assert!((3e-8..5e-8).contains(&short), "{short}");
         let [below, above] = [0.0118, 0.0121].map(|pitches| spread_share(0.5, 1.0, pitches) / pitches);
