@@ -82,7 +82,7 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
     longest.unwrap_or(&[]).iter().map(|row| row.wavelength_nm).collect()
 }
 
-/// A solved variant, with its picture: the first column, a PNG in base64, is the strip, the rest the
+/// A solved variant with its picture, a PNG in base64: the first column is the strip, the rest the
 /// square.
 fn variant(sweep: &Sweep, outcomes: &[Outcome], number: usize, wavelengths_nm: &[f64]) -> Value {
     let outcome = &outcomes[number];
@@ -101,9 +101,9 @@ fn evaluated(sweep: &Sweep, outcomes: &[Outcome], between: &BetweenVariant, wave
     all
 }
 
-/// The numbers of an outcome with the inks of a variant: `numbers` are \[value, standard error\] of L*, a*, b*, C*, h, ΔE₀₀, with a target
-/// also ΔE₀₀ to it and the contrast ratio; `spectra` holds u16 in base64, of every spectrum all
-/// values, then all errors.
+/// The numbers of an outcome with the inks of a variant: `numbers` are \[value, standard error\] of
+/// L*, a*, b*, C*, h, ΔE₀₀, with a target also ΔE₀₀ to it and the contrast ratio; `spectra` holds
+/// u16 in base64, of every spectrum all values, then all errors.
 fn tabulated(
     sweep: &Sweep,
     outcomes: &[Outcome],
