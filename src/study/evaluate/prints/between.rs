@@ -1,5 +1,5 @@
-//! What paper does between the wavelengths of a study. The layers on it are known at these alone and
-//! taken as smooth, but the paper is given, and so is its colour.
+//! What paper does between the wavelengths of a study. The layers on it are known at these alone
+//! and taken as smooth, but the paper is given, and so is its colour.
 
 use super::EmittedLight;
 use crate::appearance::paper_series::{AreaMix, AreaOptics};

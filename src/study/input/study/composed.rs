@@ -145,8 +145,8 @@ impl Portion {
 }
 
 impl Study {
-    /// A layer composed of the slabs of another study, whole ones and a broken one; unchanged unless
-    /// both are single layers that are composed.
+    /// A layer composed of the slabs of another study, whole ones and a broken one; unchanged
+    /// unless both are single layers that are composed.
     pub fn in_slabs_of(mut self, solved: &Self) -> Self {
         if let (StudyKind::Composed(own), StudyKind::Composed(other)) = (&mut self.kind, &solved.kind)
             && own.layers.is_empty()
