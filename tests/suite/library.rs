@@ -278,6 +278,16 @@ fn slabs_less_dense_than_their_joints_keep_all_light() {
         }
     }
     carried_out(&["library", "whole", "--output", "library.json"], folder);
+    // a composition is its run here too; *planted*: the run's film compared with the joint (up to 0.008 at 45:0)
+    let library = library_of(&folder.join("library.json"));
+    let paper = json!({ "albedo": 1.0, "contact": true });
+    let found = composed(&library, json!({ "layers": [{ "plate": "film" }], "paper": paper }));
+    let run = read(&folder.join("whole/results.json"));
+    for (own, row) in found["spectra"].as_array().unwrap().iter().zip(run["spectra"].as_array().unwrap()) {
+        for name in ["lit_at_45", "transmittance_diffuse", "reflectance_45"] {
+            assert!((value(own, name) - value(row, name)).abs() < 1e-12, "{name}: {own} {row}");
+        }
+    }
     let refused = inkwave(&["library", "slabs", "--output", "refused.json"], folder);
     let said = plain(&refused);
     assert!(!refused.status.success() && !folder.join("refused.json").exists(), "{said}");
