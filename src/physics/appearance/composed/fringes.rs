@@ -25,6 +25,7 @@
 //!
 //! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 
+mod film_matrix;
 mod lobes;
 mod slab_film;
 pub mod stack_film;

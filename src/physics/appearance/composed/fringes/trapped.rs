@@ -18,8 +18,9 @@ mod even_slab;
 
 use self::element::TrappedElement;
 use self::even_slab::normal;
+use super::film_matrix::FilmMatrix;
 use super::slab_film::CoherentFilm;
-use super::stack_film::{FilmElement, FilmMatrix, Mirrors, SolvedElement, StackFilm};
+use super::stack_film::{FilmElement, Mirrors, SolvedElement, StackFilm};
 use super::{FAINT, Lobes, MOST_FRINGES, MeanField, passive, shares};
 use crate::appearance::composed::flux::Coherent;
 use crate::appearance::composed::ordinates::{DirectionZone, NARROWEST, Ordinates};

@@ -1,8 +1,9 @@
 //! One element of a layer in the known directions of a zone beyond the critical angle, and between
 //! them.
 
+use super::super::film_matrix::FilmMatrix;
 use super::super::slab_film::logarithm;
-use super::super::stack_film::{FilmMatrix, Mirrors};
+use super::super::stack_film::Mirrors;
 use super::even_slab::{EvenOf, EvenSlab, KnownSlab, normal, plane};
 use super::{TrappedLight, TrappedSlab};
 use crate::appearance::composed::ordinates::DirectionZone;

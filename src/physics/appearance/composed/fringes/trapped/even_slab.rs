@@ -2,8 +2,9 @@
 //! left over.
 
 use super::super::FAINT;
+use super::super::film_matrix::FilmMatrix;
 use super::super::slab_film::logarithm;
-use super::super::stack_film::{FilmMatrix, Mirrors};
+use super::super::stack_film::Mirrors;
 use super::{FURTHEST, ROUNDS};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
