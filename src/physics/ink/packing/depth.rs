@@ -60,6 +60,18 @@ impl DepthLaw {
         (first + (second - first) * ((depth - from) / (to - from)).max(0.0)) / self.mean
     }
 
+    /// Whether the density does not vary about a depth, 0 to 1.
+    pub fn is_even_at(&self, depth: f64) -> bool {
+        let inside = |rows: &&[[f64; 2]]| depth <= rows[1][0] && rows[1][0] > rows[0][0];
+        self.rows.windows(2).find(inside).is_none_or(|rows| rows[0][1] == rows[1][1])
+    }
+
+    /// Depths inside the layer at which the density changes at once.
+    pub fn steps(&self) -> impl Iterator<Item = f64> + '_ {
+        let jumps = |rows: &&[[f64; 2]]| rows[0][0] == rows[1][0] && rows[0][1] != rows[1][1];
+        self.rows.windows(2).filter(jumps).map(|rows| rows[0][0]).filter(|depth| *depth > 0.0 && *depth < 1.0)
+    }
+
     /// The depth above which a share of those grains lies that are between two depths; the nearest
     /// one between these where there are none.
     pub fn quantile_within(&self, [from, to]: [f64; 2], share: f64) -> f64 {

@@ -18,6 +18,7 @@ use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
 use forces::{BodyLoads, OverlapSums};
 use std::ops::Range;
+use steps::Gate;
 
 /// Steps between checks that the energy still decreases.
 const PATIENCE: u64 = 400;
@@ -29,8 +30,8 @@ const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 /// Reinsertions of interlocked clusters.
 const MOST_REINSERTIONS: u64 = 100;
-/// Motion of bodies with a profile along the depth, over that across, as long as this removes
-/// overlaps: repulsion drives grains from where they are dense to where they are not.
+/// Motion along the depth, over that across, of bodies whose density varies with it, as long as
+/// this removes overlaps: repulsion drives grains from where they are dense to where they are not.
 const DEPTH_MOBILITY: f64 = 1.0 / 64.0;
 /// Steps between two reports to the watch.
 const REPORT: u64 = 20;
@@ -46,8 +47,9 @@ struct OverlapRelaxation<'a> {
     loads: BodyLoads,
     inflation: f64,
     step: f64,
-    /// Motion along the depth over that across, of bodies with a profile.
+    /// Motion along the depth over that across, where the density of a profile varies.
     depth_mobility: f64,
+    gates: Vec<Gate>,
     steps: u64,
     batch_start: u64,
     /// Whether any body has more than one sphere.
@@ -76,6 +78,7 @@ impl<'a> OverlapRelaxation<'a> {
             inflation: settings.inflation,
             step: settings.step,
             depth_mobility: DEPTH_MOBILITY,
+            gates: Gate::all(plan),
             steps: 0,
             batch_start: 0,
             clusters: plan.bodies.iter().any(|b| !b.single_sphere()),

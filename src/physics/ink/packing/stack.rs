@@ -14,8 +14,8 @@ pub(super) fn in_layer(error: PackError, i: usize) -> PackError {
     }
 }
 
-/// Layers with open joints as one layer: centres of grains stay in their own one, and grains reach
-/// across.
+/// Layers with open joints as one layer: centres of grains start in their own one, as many pass a
+/// joint one way as the other while they move apart, and grains reach across.
 pub(super) fn joined(group: &[StackedRequest]) -> PackingRequest {
     let thickness_um = group.iter().map(|layer| layer.request.thickness_um).sum::<f64>();
     let relief = group.iter().find_map(|layer| layer.request.relief);
@@ -184,8 +184,51 @@ mod tests {
         }
         let centres = open.grains().iter().map(|g| (g.pigment, g.spheres[0].center_um[2]));
         let in_order = centres.filter(|(pigment, z)| (*z < 0.6) == (*pigment == 0)).count();
-        // sequential addition keeps every centre in its own layer
-        assert_eq!(in_order, open.grains().len());
+        // of 151 grains that move apart two more may pass one way than the other
+        let beyond = open.grains().len() - in_order;
+        assert!(beyond <= 4, "{beyond}");
+    }
+
+    /// Two crowded layers of one ink with an open joint are one layer of both thicknesses: as many
+    /// grains lie at the walls, and as many about the joint. *Planted*: grains that hardly move
+    /// along the depth (at the walls a tenth as many), and a joint that none passes (three
+    /// times as many within 3 nm of it).
+    #[test]
+    fn open_joints_of_one_ink_are_none() {
+        const SEEDS: u64 = 12;
+        let ink = PigmentGrains::spheres(150.0, 0.3);
+        let count = |thicknesses_um: &[f64]| {
+            let mut near = [0.0; 3];
+            for seed in 0..SEEDS {
+                let cell = PackingRequest { period_um: [3.0; 2], seed, ..PackingRequest::default() };
+                let layer = |thickness_um: &f64| StackedRequest {
+                    request: PackingRequest {
+                        thickness_um: *thickness_um,
+                        pigments: vec![ink.clone()],
+                        ..cell.clone()
+                    },
+                    joint: Joint::Open,
+                };
+                let layers = thicknesses_um.iter().map(layer).collect();
+                let pigments = vec![ink.clone(); thicknesses_um.len().max(1)];
+                let request = PackingRequest { thickness_um: 1.0, pigments, layers, ..cell };
+                let packing = pack(&request, &mut ()).expect("a packing");
+                for grain in packing.grains() {
+                    let z = grain.spheres[0].center_um[2];
+                    let places = [(0.075, 0.003), (0.925, 0.003), (0.5, 0.003)];
+                    let counts = places.map(|(depth, reach)| f64::from((z - depth).abs() < reach));
+                    near = std::array::from_fn(|i| near[i] + counts[i]);
+                }
+            }
+            near
+        };
+        let whole = count(&[]);
+        let joined = count(&[0.5, 0.5]);
+        println!("{whole:?} {joined:?}");
+        for (one, two) in whole.into_iter().zip(joined) {
+            // significance of a difference of two counts
+            assert!((one - two).abs() < 4.0 * (one + two).sqrt(), "{whole:?} {joined:?}");
+        }
     }
 
     /// Grains stay in their layers, numbered through, and the profile holds them there. *Planted*:

@@ -3,6 +3,8 @@
 use super::OverlapRelaxation;
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::packing::arrangement::Pose;
+use crate::ink::packing::depth::DepthLaw;
+use crate::ink::packing::plan::PackingPlan;
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale};
 
 /// Motion of a body in one step.
@@ -10,6 +12,28 @@ struct BodyStep {
     displacement: V3,
     /// Rotation vector, rad.
     turn: V3,
+}
+
+/// How many more bodies may pass a gate one way than the other, besides one, over all. Where none may,
+/// those that must wait for another gather about the gate: 15 % more grains within 30 nm of it.
+const MOST_PASSED: f64 = 0.01;
+
+/// A depth at which the density of a profile steps.
+pub(super) struct Gate {
+    /// Depth over the thickness.
+    depth: f64,
+    /// Bodies that have gone down through it, less those that have gone up.
+    passed: i64,
+}
+
+impl Gate {
+    /// The gates of all profiles of a plan.
+    pub fn all(plan: &PackingPlan) -> Vec<Self> {
+        let mut depths: Vec<f64> = plan.depths.iter().flatten().flat_map(DepthLaw::steps).collect();
+        depths.sort_by(f64::total_cmp);
+        depths.dedup();
+        depths.into_iter().map(|depth| Self { depth, passed: 0 }).collect()
+    }
 }
 
 impl OverlapRelaxation<'_> {
@@ -47,9 +71,7 @@ impl OverlapRelaxation<'_> {
         let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
         let mut displacement = scale(force, h); // Δx = F Δt/μ
-        if self.plan.profile_of(b).is_some() {
-            displacement[2] *= self.depth_mobility;
-        }
+        displacement[2] *= self.freedom_along_depth(b);
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
             // Δφ = M Δt/J, plus the rotation by the aligning field
@@ -61,9 +83,42 @@ impl OverlapRelaxation<'_> {
         let limit = self.settings.step_limit_radii * body.thin;
         if path > limit {
             let part = limit / path;
-            return BodyStep { displacement: scale(displacement, part), turn: scale(turn, part) };
+            displacement = scale(displacement, part);
+            turn = scale(turn, part);
+        }
+        if !self.may_pass(b, displacement[2]) {
+            displacement[2] = 0.0;
         }
         BodyStep { displacement, turn }
+    }
+
+    /// Motion of a body along the depth over that across: little where the density of its profile
+    /// varies; that of a layer without a profile where grains are evenly spread.
+    fn freedom_along_depth(&self, b: usize) -> f64 {
+        let depth = || self.arrangement.pose(b).centre[2] / self.plan.cell.size[2];
+        match self.plan.profile_of(b) {
+            Some(law) if !law.is_even_at(depth()) => self.depth_mobility,
+            _ => 1.0,
+        }
+    }
+
+    /// Whether a body may move along the depth by `step_um`: where a density steps, as at an open
+    /// joint, about as many bodies pass one way as the other.
+    fn may_pass(&mut self, b: usize, step_um: f64) -> bool {
+        if self.depth_mobility >= 1.0 {
+            return true;
+        }
+        let height = self.plan.cell.size[2];
+        let from = self.arrangement.pose(b).centre[2] / height;
+        let to = from + step_um / height;
+        let way = if to > from { 1 } else { -1 };
+        let passed = |gate: &&mut Gate| (from < gate.depth) != (to < gate.depth);
+        let most = (MOST_PASSED * self.arrangement.placed() as f64) as i64;
+        let may = self.gates.iter_mut().filter(passed).all(|gate| gate.passed * way <= most);
+        if may {
+            self.gates.iter_mut().filter(passed).for_each(|gate| gate.passed += way);
+        }
+        may
     }
 
     /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
