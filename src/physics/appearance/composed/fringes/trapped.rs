@@ -12,11 +12,15 @@
 //! is left over. In between, N² − n² and what is left over are polynomials in √(s₁² − s²) in the
 //! zone that ends at s₁. The half-spaces that a slab is solved between, where its medium goes on,
 //! are in its solve and not in the layer.
+//!
+//! Where a layer's index is below that of the paper, light beyond its own critical angle decays in
+//! it, and what tunnels reaches the layers on its other side. No slab was solved there: it is an
+//! even film of the N of the last direction before.
 
 mod element;
 mod even_slab;
 
-use self::element::TrappedElement;
+use self::element::{TURNED_BACK, TrappedElement};
 use self::even_slab::normal;
 use super::film_matrix::FilmMatrix;
 use super::slab_film::CoherentFilm;
@@ -42,6 +46,9 @@ const MOST_HALVINGS: usize = 48;
 const ROUNDS: usize = 12;
 /// Largest |N² − n²| that an even film is compared with; beyond it, N is n.
 const FURTHEST: f64 = 1.0;
+/// Loss of composed light that turns back at an element in which it decays, below which the shares
+/// of the zone before tell more of what becomes of it.
+const LITTLE: f64 = 0.02;
 
 /// Rules on 0…1.
 static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
@@ -105,6 +112,19 @@ pub(super) struct TrappedZone {
     shares: Vec<Lobes>,
     /// R and T of the zone as composed of its nodes, times their étendues.
     composed: Lobes,
+}
+
+impl TrappedSlab<'_> {
+    /// Its mean amplitude t in a direction that was solved from both sides, whose fluxes it scales
+    /// to be alike.
+    fn passed(&self, direction: usize, polarisation: usize) -> Option<Complex64> {
+        let onward = |side: usize| -> Option<Complex64> {
+            Some(self.amplitudes[side].get(direction)?.get(polarisation)?[1])
+        };
+        let root = (onward(0)? * onward(1)?).sqrt();
+        // the root that is the amplitude, not less it
+        Some(if (root.conj() * onward(0)?).re < 0.0 { -root } else { root })
+    }
 }
 
 impl<'a> TrappedPart<'a> {
@@ -176,15 +196,22 @@ impl TrappedZone {
     /// at 0° and at all nodes.
     pub(super) fn all(parts: &[TrappedPart], light: TrappedLight, composed: &[Lobes]) -> Vec<Self> {
         let zones = light.ordinates.beyond_edge().into_iter();
-        let trapped = zones.filter(|zone| zone.from > light.beyond - NARROWEST);
-        trapped.filter_map(|zone| Self::new(parts, light, zone, composed)).collect()
+        let mut all: Vec<Self> = Vec::new();
+        for zone in zones.filter(|zone| zone.from > light.beyond - NARROWEST) {
+            let before = all.last().and_then(|zone| zone.shares.last().copied());
+            all.extend(Self::new(parts, light, zone, composed, before.unwrap_or_default()));
+        }
+        all
     }
 
+    /// A zone; `before` are the shares of the loss in the zone before, for where composing lets no
+    /// light come to what scatters it.
     fn new(
         parts: &[TrappedPart],
         light: TrappedLight,
         zone: DirectionZone,
         composed: &[Lobes],
+        before: Lobes,
     ) -> Option<Self> {
         let nodes = zone.first..zone.first + zone.count;
         let composed = composed.get(1 + nodes.start..1 + nodes.end)?;
@@ -192,28 +219,25 @@ impl TrappedZone {
         let wavenumber = TAU / light.wavelength_um;
         let last = parts.len().checked_sub(1)?;
         let element = |(number, part): (usize, &TrappedPart), before: Option<&TrappedElement>| {
-            let propagates = |index: f64| index > zone.to - NARROWEST;
+            let is_last = number == last;
             match part {
                 TrappedPart::Solved(slab) => {
                     let media = [slab.between[0], slab.index, slab.between[1]];
-                    let inside = if number == last { &media[..2] } else { &media[..] };
-                    let own = || TrappedElement::of_slab(slab, light, &zone, number == last, before);
-                    inside.iter().all(|index| propagates(*index)).then(own)?
+                    let inside = if is_last { &media[..2] } else { &media[..] };
+                    let propagates = inside.iter().all(|index| *index > zone.to - NARROWEST);
+                    let own = || TrappedElement::of_slab(slab, light, &zone, is_last, before);
+                    let beyond = || TrappedElement::beyond_solves(slab, light, &zone, is_last, before);
+                    propagates.then(own).flatten().unwrap_or_else(beyond)
                 }
-                TrappedPart::Face(media) => {
-                    let inside = if number == last { &media[..1] } else { &media[..] };
-                    let face = TrappedElement::Face(media.map(|index| index * index));
-                    inside.iter().all(|index| propagates(index.re)).then_some(face)
-                }
+                TrappedPart::Face(media) => TrappedElement::Face(media.map(|index| index * index)),
                 TrappedPart::Even { index, thickness_um } => {
-                    let even = TrappedElement::Even { squared: index * index, thickness_um: *thickness_um };
-                    (number < last && propagates(index.re)).then_some(even)
+                    TrappedElement::Even { squared: index * index, thickness_um: *thickness_um }
                 }
             }
         };
         let mut elements = Vec::new();
         for part in parts.iter().enumerate() {
-            let next = element(part, elements.last())?;
+            let next = element(part, elements.last());
             elements.push(next);
         }
         let places = sines[nodes.clone()].iter().map(|sine| zone.place(*sine)).collect();
@@ -230,7 +254,11 @@ impl TrappedZone {
             zone,
         };
         let known = sines[nodes].iter().zip(composed).enumerate();
-        let share = |(k, (sine, composed)): (usize, (&f64, &Lobes))| shares(all.solved(k, *sine), *composed);
+        let share = |(k, (sine, composed)): (usize, (&f64, &Lobes))| {
+            let field = all.solved(k, *sine);
+            let decays = all.elements[..last].iter().any(|element| !element.passes(*sine));
+            if decays && 1.0 - field.reflected < LITTLE { before } else { shares(field, *composed) }
+        };
         all.shares = known.map(share).collect();
         if light.fewer_directions && all.places.len() > 1 {
             all.leave_out(all.places.len() / 2);
@@ -257,7 +285,7 @@ impl TrappedZone {
         for element in &self.elements {
             let next = element.at(&weights, sine, self.polarisation, self.wavenumber);
             whole = whole.then(next);
-            powers = powers.then(next.powers());
+            powers = powers.then(if element.passes(sine) { next.powers() } else { TURNED_BACK });
         }
         let lobes = |reflected: f64| {
             let reflected = if reflected.is_finite() { reflected } else { 1.0 };
@@ -322,7 +350,7 @@ impl TrappedZone {
             let (squared, thickness_um) = element.depth();
             let phases = [self.zone.from, self.zone.to].map(|sine| normal(squared, sine).re);
             fringes += 2.0 * (phases[0] - phases[1]) * thickness_um * self.wavenumber / TAU;
-            if number < last {
+            if number < last && element.passes(self.zone.to) {
                 let at_edge = element.at(&weights, self.zone.from, self.polarisation, self.wavenumber);
                 seen *= at_edge.transmitted.norm_sqr();
             }

@@ -13,6 +13,9 @@ use std::f64::consts::TAU;
 /// Amplitude that a far face mirrors much with.
 const MUCH: f64 = 0.4;
 
+/// What composing makes of an element in which light decays.
+pub(super) const TURNED_BACK: FilmMatrix<f64> = FilmMatrix { reflected: [1.0; 2], transmitted: 0.0 };
+
 /// An element in the known directions of a zone.
 #[derive(Clone, Debug)]
 pub(super) enum TrappedElement {
@@ -39,13 +42,7 @@ impl TrappedElement {
             Some(slab.amplitudes[side].get(direction)?.get(polarisation)?[lobe])
         };
         let measured = |direction: usize| -> Option<Complex64> {
-            if is_last {
-                return amplitude(0, direction, 0);
-            }
-            let onward = amplitude(0, direction, 1)?;
-            let root = (onward * amplitude(1, direction, 1)?).sqrt();
-            // the root that is the amplitude, not less it
-            Some(if (root.conj() * onward).re < 0.0 { -root } else { root })
+            if is_last { amplitude(0, direction, 0) } else { slab.passed(direction, polarisation) }
         };
         // What an even film of that index mirrors. Where that is much, the slab differs from it by
         // a factor, whose phase costs no light; else by a difference, without a root to divide by.
@@ -93,6 +90,61 @@ impl TrappedElement {
             known.push(own.known);
         }
         Some(Self::Solved { film, count, is_last, known })
+    }
+
+    /// A slab whose directions in a zone were not solved, or decay in it: an even film of the index
+    /// N that it has in the last direction before them.
+    pub(super) fn beyond_solves(
+        slab: &TrappedSlab,
+        light: TrappedLight,
+        zone: &DirectionZone,
+        is_last: bool,
+        before: Option<&Self>,
+    ) -> Self {
+        let &TrappedSlab { between, index, thickness_um, mirrors, count, .. } = slab;
+        let wavenumber = TAU / light.wavelength_um;
+        let film =
+            EvenSlab { between, index, thickness_um, mirrors, polarisation: light.polarisation, wavenumber };
+        let of_neighbour = before.and_then(|before| match before {
+            Self::Solved { film, known, .. } if film.index == index => Some(known[0].squared),
+            _ => None,
+        });
+        let squared = of_neighbour.unwrap_or_else(|| {
+            let passed = |direction: usize| -> Option<(f64, Complex64)> {
+                let sine = if direction == 0 { 0.0 } else { light.ordinates.sines[direction - 1] };
+                Some((sine, slab.passed(direction, light.polarisation)?)).filter(|_| sine < index)
+            };
+            let mut turned = 0.0;
+            let mut squared = Complex64::ZERO;
+            for (sine, value) in (0..=zone.first).map_while(passed) {
+                turned = film.logarithm(value, Complex64::ZERO, sine, false, turned).im;
+                squared = film.even_of(value, sine, false, turned).known.squared;
+            }
+            squared
+        });
+        let known = light.ordinates.sines[zone.first..zone.first + zone.count].iter().map(|&sine| {
+            let [front, behind] = between.map(|index| index > sine);
+            let FilmMatrix { reflected, transmitted } = film.solved(squared, sine).powers();
+            let turned_back = if front { reflected[0].min(1.0) } else { 1.0 };
+            let solved = if front && behind && !is_last {
+                [reflected[0], reflected[1], transmitted]
+            } else {
+                [turned_back, 1.0, 0.0]
+            };
+            KnownSlab { squared, solved, ..KnownSlab::default() }
+        });
+        Self::Solved { film, count, is_last, known: known.collect() }
+    }
+
+    /// Whether a wave goes on behind it: where it only decays, composing turns all of it back.
+    pub(super) fn passes(&self, sine: f64) -> bool {
+        match self {
+            Self::Solved { film, is_last, .. } => {
+                film.index > sine && (*is_last || film.between.iter().all(|index| *index > sine))
+            }
+            Self::Face([_, behind]) => behind.re > sine * sine,
+            Self::Even { squared, .. } => squared.re > sine * sine,
+        }
     }
 
     /// What is known of a slab of this index that light passes.
@@ -166,7 +218,8 @@ impl TrappedElement {
                 }
                 FilmMatrix { reflected: [front, behind], transmitted: passed }.repeated(*count)
             }
-            plain => plain.at(&[], sine, polarisation, wavenumber).powers(),
+            plain if plain.passes(sine) => plain.at(&[], sine, polarisation, wavenumber).powers(),
+            _ => TURNED_BACK,
         }
     }
 
