@@ -168,11 +168,10 @@ pub fn step_report(error: RunError) -> miette::Report {
 
 /// Report of a run without results.
 pub fn run_report(error: RunError) -> miette::Report {
-    match error {
-        RunError::Folder(error) => folder_report(error),
+    let help = match error.cause() {
+        RunError::Folder(error) => Some(error.remedy()),
         RunError::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. } => {
-            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
-            miette!(help = help, "{error}")
+            Some("lower pigment.volume_fraction, take smaller grains or a thicker layer")
         }
         // These messages include what to try.
         RunError::Resolution(
@@ -182,15 +181,17 @@ pub fn run_report(error: RunError) -> miette::Report {
             | AccuracyError::TooManyWaves { .. }
             | AccuracyError::Unphysical(_)
             | AccuracyError::Solve(SolveError::NotConverged { .. }),
-        ) => miette!("{error}"),
+        ) => None,
         RunError::Resolution(AccuracyError::Solve(_)) => {
-            let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
-            miette!(help = help, "{error}")
+            Some("[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"")
         }
-        RunError::Resolution(_) | RunError::Wave(_) => {
-            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
-            miette!(help = help, "{error}")
-        }
-        other => miette!("{other}"),
+        RunError::Resolution(_) | RunError::Wave(_) => Some(
+            "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead",
+        ),
+        _ => None,
+    };
+    match help {
+        Some(help) => miette!(help = help, "{error}"),
+        None => miette!("{error}"),
     }
 }

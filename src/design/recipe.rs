@@ -7,7 +7,7 @@ use super::file::{DesignFile, DesignTable, VaryTable};
 use super::surface::most_coefficients;
 use super::wish::NumberWish;
 use crate::input::check::check;
-use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::fault::{Fault, Faults, StudyError, keys_in_words};
 use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
@@ -213,6 +213,7 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     } else {
         base = measuring.clone();
     }
+    faults.title(file.title.as_deref());
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
@@ -265,7 +266,9 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
                 continue;
             }
             _ => {
-                faults.add(format!("vary[{i}]"), "both or neither", "either field or ratio", "write field");
+                let found = keys_in_words(table, &["field", "ratio"]);
+                let remedy = "write for example field = \"layer.thickness_um\"";
+                faults.add(format!("vary[{i}]"), found, "either field or ratio", remedy);
                 continue;
             }
         };

@@ -244,6 +244,10 @@ impl ComparisonFile {
         for (_, field, found, allowed, remedy) in rules.into_iter().filter(|rule| rule.0) {
             faults.add(field, found, allowed, remedy);
         }
+        for (i, case) in self.cases.iter().enumerate() {
+            let name = case.name.as_deref().filter(|name| name.trim().is_empty());
+            name.into_iter().for_each(|blank| faults.name(format!("cases[{i}].name"), blank, [], "case"));
+        }
         self.matrix.iter().for_each(|matrix| matrix.check(&mut faults));
         let mut taken: Vec<String> = SolverChoice::NAMES.iter().map(|name| name.to_string()).collect();
         for program in &self.external {

@@ -39,8 +39,8 @@ pub enum WaveError {
     Stopped,
     /// A grid too coarse along z for the wave.
     #[error(
-        "cell {cell} of the grid is {height_um:.4} µm high: phase k·h = {phase:.2} rad per cell, at most {limit} \
-         is accurate; use at least {needed} cells in z"
+        "cell {cell} of the grid along z is {height_um:.4} µm high, and the phase of the wave turns by {phase:.2} rad over it; at \
+         most {limit} is accurate: use at least {needed} cells in z (each has one to four planes, as its scheme says)"
     )]
     CellTooHigh {
         /// Number of the cell.

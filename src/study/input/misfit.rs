@@ -33,7 +33,7 @@ impl Misfit {
     }
 }
 
-fn shortened(found: String) -> String {
+pub(super) fn shortened(found: String) -> String {
     if found.chars().count() <= LONGEST_FOUND {
         return found;
     }

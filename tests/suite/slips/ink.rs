@@ -293,17 +293,17 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nshell = [{ thickness_nm = 20, index = 1.46 }]",
-        ["pigment[0].shell", "a value", "dissolved pigments", "remove shell"],
+        ["pigment[0].shell", "thickness_nm = 20", "dissolved pigments", "remove shell"],
     ),
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nagglomeration = { degree = 1.0, grains = 2 }",
-        ["pigment[0].agglomeration", "a value", "dissolved pigments", "remove agglomeration"],
+        ["pigment[0].agglomeration", "grains = 2", "dissolved pigments", "remove agglomeration"],
     ),
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nshape = \"cylinder\"",
-        ["pigment[0].shape", "a value", "dissolved pigments", "remove shape"],
+        ["pigment[0].shape", "cylinder", "dissolved pigments", "remove shape"],
     ),
     slip(
         "name = \"yellow\"",

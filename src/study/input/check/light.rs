@@ -139,9 +139,11 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
 
 /// Checks that a list has entries, all allowed and increasing.
 pub(super) fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
-    if list.is_empty() || list.len() > LONGEST_LIST {
-        let found = format!("{} entries", list.len());
-        faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
+    let entries = format!("1 to {LONGEST_LIST} entries, each {allowed}");
+    if list.is_empty() {
+        faults.empty(field, entries, remedy);
+    } else if list.len() > LONGEST_LIST {
+        faults.add(field, format!("{} entries", list.len()), entries, remedy);
     }
     if let Some(i) = list.iter().position(|&value| !allowed.holds(value)) {
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);

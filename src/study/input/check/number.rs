@@ -4,7 +4,7 @@ use crate::appearance::weighted::{NumberTransform, WeightTable, WeightedSum, wei
 use crate::input::file::{NumberTable, WeightsWritten};
 use crate::input::study::{Study, WantedNumber, WantedWeights};
 use crate::input::{Faults, limits};
-use crate::material::columns::Columns;
+use crate::material::columns::{Columns, in_other_unit};
 use std::path::Path;
 
 /// Largest share of the weights that may lie beyond the wavelengths, where the spectrum is
@@ -26,10 +26,8 @@ pub(super) fn checked(
     let mut remarks = Vec::new();
     for (i, table) in written.iter().enumerate() {
         let field = format!("number[{i}]");
-        if table.name.trim().is_empty() || written[..i].iter().any(|other| other.name == table.name) {
-            let remedy = "results and tables name numbers by it: give each its own";
-            faults.add(format!("{field}.name"), format!("{:?}", table.name), "names that differ", remedy);
-        }
+        let others = written[..i].iter().map(|other| other.name.as_str());
+        faults.name(format!("{field}.name"), &table.name, others, "number");
         let Some(weights) = weights(&field, &table.weights, folder, faults) else { continue };
         let Some(number) = ranged(&field, table, weights, faults) else { continue };
         check_transform(&field, &number, faults);
@@ -231,8 +229,9 @@ fn check_wavelengths(
             100.0 * outside
         );
         let allowed = format!("at most {:.0} % beyond them", 100.0 * MOST_OUTSIDE);
-        let remedy = "widen light.from_nm and light.to_nm, or count a part of the weights: from_nm and to_nm beside them";
-        wrong(found, allowed, remedy);
+        let usual = "widen light.from_nm and light.to_nm, or count a part of the weights: from_nm and to_nm beside them";
+        let remedy = in_other_unit([from, to], [first, last]).unwrap_or_else(|| usual.to_owned());
+        wrong(found, allowed, &remedy);
         return None;
     }
     let words = format!(
