@@ -50,7 +50,7 @@ pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
     };
     let is_json = path.extension().is_some_and(|e| e == "json");
     let kinds =
-        [STUDY_KEYS, ["measured", "fit"], ["vary", "design"], ["base", "axis"], ["wavelength", "inputs"]];
+        [STUDY_KEYS, ["measured", "fit"], ["vary", "target"], ["base", "axis"], ["wavelength", "inputs"]];
     let (found, command) = match kinds.map(|keys| has_one(text, keys)) {
         [true, false, false, false, _] => ("study", "run"),
         [false, true, false, ..] => ("fit", "fit"),
@@ -82,7 +82,7 @@ pub fn case_report(error: CaseError, path: &Path) -> Report {
         let help = "add --realisation 1 to solve one of its packings, or run all of it with `inkwave run`";
         return miette!(help = help, "{path} is a study, and this command reads a case");
     }
-    let kinds = [("fit", ["measured", "fit"]), ("design", ["vary", "design"]), ("sweep", ["base", "axis"])];
+    let kinds = [("fit", ["measured", "fit"]), ("design", ["vary", "target"]), ("sweep", ["base", "axis"])];
     match kinds.into_iter().find(|(_, keys)| has_one(&text, *keys)) {
         Some((kind, _)) => {
             let help = format!("run it with `inkwave {kind} {path}`");

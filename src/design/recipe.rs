@@ -281,7 +281,9 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
         let (from, to) = (table.from, table.to);
         if !(from.is_finite() && to.is_finite() && from < to) {
             let found = format!("{from} to {to}");
-            faults.add(format!("vary[{i}].from"), found, "from below to", "exchange from and to");
+            let remedy =
+                if from > to { "exchange from and to" } else { "write for example from = 0.1, to = 0.4" };
+            faults.add(format!("vary[{i}].from"), found, "two finite numbers, from below to", remedy);
         }
         if table.ratio.is_some() && !(from > 0.0 && to < 1.0) {
             let allowed = "above 0 and below 1: both pigments stay";

@@ -1,5 +1,6 @@
 //! Errors of wave problems, each with the value found and the remedy.
 
+use crate::numerics::allowed::brief;
 use thiserror::Error;
 
 /// Invalid scenes, media, lights or grids.
@@ -11,8 +12,8 @@ pub enum WaveError {
     Unsound(String),
     /// A body that extends beyond the layer.
     #[error(
-        "body {body} reaches from z = {low_um} to {high_um} µm; it must lie within 0 … {thickness_um} µm: \
-         move it or make the layer thicker"
+        "body {body} reaches from z = {} to {} µm; it must lie within 0 … {} µm: move it or make the layer thicker",
+        brief(*low_um), brief(*high_um), brief(*thickness_um)
     )]
     OutsideLayer {
         /// Index of the body in the scene.

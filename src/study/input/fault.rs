@@ -1,6 +1,5 @@
 //! Errors in a study, described so that they can be corrected.
 
-use super::misfit::shortened;
 pub use crate::numerics::allowed::Allowed;
 use crate::numerics::allowed::{Whole, shown, with_short_numbers};
 use crate::numerics::files::named;
@@ -126,6 +125,17 @@ impl fmt::Display for Faults {
         let all = self.0.iter().map(|fault| format!("{fault}: {}", fault.remedy));
         f.write_str(&all.collect::<Vec<_>>().join("; "))
     }
+}
+
+/// Maximum length of a value in a message, characters.
+const LONGEST_FOUND: usize = 200;
+
+/// A value of bounded length.
+pub(super) fn shortened(found: String) -> String {
+    if found.chars().count() <= LONGEST_FOUND {
+        return found;
+    }
+    found.chars().take(LONGEST_FOUND).chain(['…']).collect()
 }
 
 /// A value as a file writes it, cut where it is long.

@@ -14,7 +14,7 @@ fn layers_that_are_no_plates_are_told() {
     let text = text.replace("[1, 2.3]\nslab_um = 0.5", "1.2\nslab_um = 0.4");
     let run = succeed(&study(folder, &text), &folder.join("out"), &[]);
     let words = "varnish & wax: no plate: a library holds layers with grains";
-    assert!(String::from_utf8_lossy(&run.stderr).contains(words));
+    assert!(run.contains(words), "{run}");
     let done = inkwave(&["library", "out", "--page", "page.html"], folder);
     let said = String::from_utf8_lossy(&done.stdout).into_owned();
     assert!(said.contains(words) && said.contains("run the whole stack (inkwave run)"), "{said}");

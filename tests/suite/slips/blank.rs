@@ -7,7 +7,12 @@ pub const BLANK: &[Slip] = &[
     slip(
         "thickness_um = 0.5",
         "thickness_um = []",
-        ["layer.thickness_um: found an empty list", "one thickness, µm", "add [layer.composed]", "study.toml:"],
+        [
+            "layer.thickness_um: found an empty list",
+            "one thickness, µm",
+            "add [layer.composed]",
+            "study.toml:",
+        ],
     ),
     slip(
         "thickness_um = 0.5",
@@ -22,7 +27,12 @@ pub const BLANK: &[Slip] = &[
     slip(
         "[angles]",
         "[paper]\nalbedo = []\n[angles]",
-        ["paper.albedo: found an empty list", "two or more rows", "[wavelength in nm, albedo]", "albedo = 0.9"],
+        [
+            "paper.albedo: found an empty list",
+            "two or more rows",
+            "[wavelength in nm, albedo]",
+            "albedo = 0.9",
+        ],
     ),
     slip(
         "[angles]",
@@ -34,11 +44,6 @@ pub const BLANK: &[Slip] = &[
         "[dots]\nruling_per_cm = 60\nspread_um = 0\n[[ink]]\nname = ' '\ncoverage = 0.5\n[[area]]\ninks = [' ']\n[[area]]\n\
          bears = 'paper'\n[angles]",
         ["ink[0].name: found \" \", a blank name", "a name with a letter or a digit", "name the ink", ""],
-    ),
-    slip(
-        "[angles]",
-        "[dots]\nruling_per_cm = 60\nspread_um = 0\n[[area]]\ncoverage = 0.5\nresults = ''\n[angles]",
-        ["area[0].results: found \"\", a blank name", "a folder of results", "that a run has written", ""],
     ),
     slip(
         "name = \"yellow\"",
@@ -78,7 +83,32 @@ pub const BLANK: &[Slip] = &[
     slip(
         "planes_per_um = 40",
         "planes_per_um = 4",
-        ["resolution.planes_per_um: found 4 per µm", "cells 0.5 µm high", "by 2.9 rad at most", "accuracy = 1e-2"],
+        [
+            "resolution.planes_per_um: found 4 per µm",
+            "cells 0.5 µm high",
+            "by 2.9 rad at most",
+            "accuracy = 1e-2",
+        ],
+    ),
+    slip(
+        "from_nm = 400\nto_nm = 700\nstep_nm = 100",
+        "wavelengths_nm = [0.45, 0.55]",
+        [
+            "light.wavelengths_nm[0]: found 0.45",
+            "from 100 to 10000 nm",
+            "look like µm",
+            "multiply them by 1000",
+        ],
+    ),
+    slip(
+        "from_nm = 400\nto_nm = 700\nstep_nm = 100",
+        "wavelengths_nm = 450",
+        [
+            "light.wavelengths_nm: found integer `450`",
+            "a list in brackets, such as [1, 2]",
+            "in that form",
+            "",
+        ],
     ),
 ];
 
@@ -94,7 +124,11 @@ pub const BLANK_IN_STACKS: &[Slip] = &[
         "name = '  '",
         ["layer[1].name: found \"  \", a blank name", "a letter or a digit", "name the layer", ""],
     ),
-    slip("title = 'stack'", "title = ' '", ["title: found \" \", a blank title", "a letter", "leave it out", ""]),
+    slip(
+        "title = 'stack'",
+        "title = ' '",
+        ["title: found \" \", a blank title", "a letter", "leave it out", ""],
+    ),
     slip(
         "[stack]",
         "[stack]\ncomposed = {}",
@@ -103,11 +137,21 @@ pub const BLANK_IN_STACKS: &[Slip] = &[
     slip(
         "[angles]\npolar_deg = [0]\n",
         "[resolution]\npoints_per_um = 4\nplanes_per_um = 40\n[stack.composed]\n",
-        ["resolution.points_per_um: found 4 per µm", "in bottom: whole layer", "or more: ", "accuracy = 1e-2"],
+        [
+            "resolution.points_per_um: found 4 per µm",
+            "in bottom: whole layer",
+            "or more: ",
+            "accuracy = 1e-2",
+        ],
     ),
     slip(
         "[angles]\npolar_deg = [0]\n",
         "[resolution]\npoints_per_um = 12\nplanes_per_um = 5\n[stack.composed]\n",
-        ["resolution.planes_per_um: found 5 per µm", "cells 0.4 µm high in top: whole layer", "rad", "raise it"],
+        [
+            "resolution.planes_per_um: found 5 per µm",
+            "cells 0.4 µm high in top: whole layer",
+            "rad",
+            "raise it",
+        ],
     ),
 ];

@@ -7,7 +7,6 @@ use crate::input::file::{AreaBears, AreaTable, DotsTable, InkTable, PatchRule, R
 use crate::input::study::{Dots, MixedAreas, MixedPrint};
 use crate::input::{Allowed, Faults, as_written, limits};
 use crate::wave::Wave;
-use std::path::Path;
 
 /// Rounding of coverages that add up to 1.
 const SLACK: f64 = 1e-6;
@@ -136,16 +135,11 @@ impl DotsReader<'_, '_> {
         for (i, area) in self.file.areas.iter().enumerate() {
             let Some(folder) = &area.results else { continue };
             let field = format!("area[{i}].results");
-            if folder.trim().is_empty() {
-                let remedy = "name the folder that a run has written, or remove it";
-                self.faults.add(field, format!("{folder:?}, a blank name"), "a folder of results", remedy);
-                continue;
-            }
             if area.bears == AreaBears::Paper {
                 let allowed = "nothing beside results, whose layer the area bears";
                 self.faults.add(format!("area[{i}].bears"), "\"paper\"", allowed, "remove one of them");
             }
-            match self.layer(&self.tables.folder.join(folder).join(RESULTS)) {
+            match self.layer(folder) {
                 Ok(layer) => layers.push(layer),
                 Err([found, allowed, remedy]) => self.faults.add(field, found, allowed, remedy),
             }
@@ -156,7 +150,7 @@ impl DotsReader<'_, '_> {
 
     /// The layer of a results file at this study's wavelengths, or what is found, allowed and to
     /// be done.
-    fn layer(&self, path: &Path) -> Result<LayerOptics, [String; 3]> {
+    fn layer(&self, folder: &str) -> Result<LayerOptics, [String; 3]> {
         #[derive(serde::Deserialize)]
         struct Solved {
             #[serde(default)]
@@ -167,12 +161,13 @@ impl DotsReader<'_, '_> {
             study: Solved,
             optics: Option<LayerOptics>,
         }
+        let path = self.tables.folder.join(folder).join(RESULTS);
         let allowed = "a folder of results of a study on paper";
         let refused = |found: String| {
             [found, allowed.to_owned(), "run that study first: inkwave run STUDY.toml".to_owned()]
         };
-        let text =
-            std::fs::read_to_string(path).map_err(|error| refused(format!("{}: {error}", path.display())))?;
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| refused(format!("{}: {error}", path.display())))?;
         let results: Results = serde_json::from_str(&text)
             .map_err(|error| refused(format!("{}, which is no results file: {error}", path.display())))?;
         let Some(layer) = results.optics else {

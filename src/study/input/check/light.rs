@@ -6,7 +6,8 @@ use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter, TABLE_RANGE_N
 use crate::input::file::{LightTable, PigmentTable, SamplingName};
 use crate::input::limits::{self, LONGEST_LIST, LONGEST_WAVE_NM};
 use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
-use crate::numerics::allowed::shown;
+use crate::material::columns::micrometres;
+use crate::numerics::allowed::{brief, shown};
 use crate::solve::SolverChoice;
 use num_complex::Complex64;
 
@@ -36,7 +37,10 @@ impl LightTable {
     fn list_or_range_nm(&self, faults: &mut Faults) -> Vec<f64> {
         match (&self.wavelengths_nm, self.from_nm, self.to_nm, self.step_nm) {
             (Some(list), None, None, None) => {
-                let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
+                let remedy = match micrometres(list.iter().copied()) {
+                    Some(_) => "these look like µm: multiply them by 1000, which gives nm",
+                    None => "give vacuum wavelengths in nm, 400 to 700 for the visible",
+                };
                 check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
                 list.clone()
             }
@@ -80,8 +84,9 @@ impl LightTable {
         let step = self.step_nm?;
         let last = wavelengths_nm.last()?;
         let count = wavelengths_nm.len() - 1;
+        let last_nm = brief(*last);
         let remark = format!(
-            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last_nm} nm (n = {count}); \
              choose a step that divides the range to reach {to} nm"
         );
         (*last < to - 1e-6 * step).then_some(remark)
