@@ -41,8 +41,8 @@ fn is_artefact(number: &str) -> bool {
     number.contains('.') && digits >= ARTEFACT
 }
 
-/// A text whose very long numbers, such as all digits of 1e300, are written with a power of ten, and
-/// numbers such as 0.39999999999999997 with six digits.
+/// A text whose very long numbers, such as all digits of 1e300, are written with a power of ten,
+/// and numbers such as 0.39999999999999997 with six digits.
 pub fn with_short_numbers(text: &str) -> String {
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let mut short = String::with_capacity(text.len());

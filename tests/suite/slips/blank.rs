@@ -56,11 +56,6 @@ pub const BLANK: &[Slip] = &[
         ["pigment[0].agglomeration.grains", "found values [] with weights []", "2 to 500 grains", ""],
     ),
     slip(
-        "diameter_nm = 200",
-        "",
-        ["pigment[0]: found none of them", "either diameter_nm or size", "write diameter_nm = 250", ""],
-    ),
-    slip(
         "thickness_um = 0.5",
         "composed = { slab_um = 2 }\nthickness_um = 10",
         ["angles.count: found", "directions of its own where it is composed", "remove angles.count", ""],
@@ -93,12 +88,7 @@ pub const BLANK: &[Slip] = &[
     slip(
         "from_nm = 400\nto_nm = 700\nstep_nm = 100",
         "wavelengths_nm = [0.45, 0.55]",
-        [
-            "light.wavelengths_nm[0]: found 0.45",
-            "from 100 to 10000 nm",
-            "look like µm",
-            "multiply them by 1000",
-        ],
+        ["light.wavelengths_nm[0]: found 0.45", "from 100 to 10000 nm", "look like µm", "in nm, times 1000"],
     ),
     slip(
         "from_nm = 400\nto_nm = 700\nstep_nm = 100",
@@ -121,8 +111,8 @@ pub const BLANK_IN_STACKS: &[Slip] = &[
     ),
     slip(
         "name = 'top'",
-        "name = '  '",
-        ["layer[1].name: found \"  \", a blank name", "a letter or a digit", "name the layer", ""],
+        "name = ' '",
+        ["layer[1].name: found \" \", a blank name", "a letter or a digit", "name the layer", ""],
     ),
     slip(
         "title = 'stack'",
@@ -132,7 +122,7 @@ pub const BLANK_IN_STACKS: &[Slip] = &[
     slip(
         "[stack]",
         "[stack]\ncomposed = {}",
-        ["angles.polar_deg: found [0]", "directions of its own", "stack.composed.directions sets them", ""],
+        ["angles.polar_deg: found [0.0]", "directions of its own", "stack.composed.directions sets them", ""],
     ),
     slip(
         "[angles]\npolar_deg = [0]\n",

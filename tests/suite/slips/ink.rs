@@ -274,11 +274,11 @@ pub const INK: &[Slip] = &[
         "size = { kind = \"percentiles\", d10_nm = 120, d50_nm = 150, d90_nm = 220 }",
         ["pigment[0].size", "the log-normal law has d10 110.8", "within 5 %", "kind = \"list\""],
     ),
-    slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
+    slip("diameter_nm = 200", "", ["pigment[0]", "none of them", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
         "name = \"yellow\"",
         "name = \" \"",
-        ["pigment[0].name", "\" \"", "no other pigment", "another name"],
+        ["pigment[0].name", "\" \", a blank name", "a letter or a digit", "name the pigment"],
     ),
     slip(
         "diameter_nm = 200",

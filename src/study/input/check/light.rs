@@ -38,7 +38,7 @@ impl LightTable {
         match (&self.wavelengths_nm, self.from_nm, self.to_nm, self.step_nm) {
             (Some(list), None, None, None) => {
                 let remedy = match micrometres(list.iter().copied()) {
-                    Some(_) => "these look like µm: multiply them by 1000, which gives nm",
+                    Some(_) => "these look like µm: write them in nm, times 1000",
                     None => "give vacuum wavelengths in nm, 400 to 700 for the visible",
                 };
                 check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);

@@ -3,7 +3,7 @@
 use crate::appearance::weighted::{NumberTransform, WeightTable, WeightedSum, weight_names};
 use crate::input::file::{NumberTable, WeightsWritten};
 use crate::input::study::{Study, WantedNumber, WantedWeights};
-use crate::input::{Faults, limits};
+use crate::input::{Faults, as_written, limits};
 use crate::material::columns::{Columns, in_other_unit};
 use std::path::Path;
 
@@ -168,9 +168,14 @@ fn check_transform(field: &str, number: &WantedNumber, faults: &mut Faults) {
         let found = format!("{:?} with transform = {name:?}", number.weights.source());
         wrong("weights", found, allowed, "write weights = \"D65/10\"");
     }
-    if number.over.is_some() {
+    if let Some(over) = number.over {
         let remedy = "leave it out, or take transform = \"mean\"";
-        wrong("over", format!("given with transform = {name:?}"), "transforms of a single mean", remedy);
+        wrong(
+            "over",
+            format!("{} with transform = {name:?}", as_written(&over)),
+            "transforms of a single mean",
+            remedy,
+        );
     }
     let [first, last] = number.weights.tables().map_or(number.range_nm, |named| named.tables[0].range_nm());
     if number.range_nm != [first, last] {

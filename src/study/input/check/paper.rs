@@ -35,7 +35,7 @@ impl PaperTable {
         if let Some(both) = self.more_than_one() {
             let allowed =
                 "one source of the albedo: paper.albedo, paper.measured, or a pair m1_csv and m2_csv";
-            reader.faults.add(both, "given beside another one", allowed, "remove one of them");
+            reader.faults.add(both, "a second source of the albedo", allowed, "remove one of them");
         }
         if let Some(pair @ FluorescenceWritten::Pair { .. }) = &self.fluorescence {
             return reader.of_pair(pair);

@@ -180,7 +180,7 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
     }
     if !written.pigments.is_empty() {
         let remedy = "write [[layer.pigment]] below the [[layer]] that holds it";
-        faults.add("pigment", "given beside [[layer]]", "pigments of the layers of a stack", remedy);
+        faults.add("pigment", "pigments beside [[layer]]", "pigments of the layers of a stack", remedy);
     }
     let names: Vec<String> = (0..layers.len()).map(|i| name_of(layers, i)).collect();
     for (i, name) in names.iter().enumerate() {

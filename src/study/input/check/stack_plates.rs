@@ -117,7 +117,7 @@ fn plates_of(
     let own_um = um / (um / slab_um).round().max(2.0);
     // that of agglomerates is a matter of chance
     let widest_um = study.packing.layers.get(i).map_or(0.0, |layer| layer.request.widest_body_um());
-    if widest_um.is_finite() && widest_um > 0.5 * own_um * (1.0 + 1e-9) {
+    if widest_um.is_finite() && widest_um > 0.5 * own_um {
         let allowed = format!(
             "slabs of {:.3} µm or more, twice the largest grain: they are compared with some half as thick",
             2.0 * widest_um
