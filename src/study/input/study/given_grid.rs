@@ -1,4 +1,5 @@
-//! The grid that a study asks for by its points and planes, and whether the shortest wave fits on it.
+//! The grid that a study asks for by its points and planes, and whether the shortest wave fits on
+//! it.
 
 use super::{Study, WantedResolution};
 use crate::input::fault::Fault;
