@@ -123,8 +123,8 @@ impl Study {
         self.wavelengths_nm.iter().map(at).collect()
     }
 
-    /// The layers of a stack of plates that are no plates of a library, for they have no grains, and
-    /// what to do; `None` where all are.
+    /// The layers of a stack of plates that are no plates of a library, for they have no grains,
+    /// and what to do; `None` where all are.
     pub fn layers_without_plates(&self) -> Option<String> {
         self.composed()?.joint_index?;
         let clear = self.stack.iter().filter(|layer| layer.pigments == 0);
