@@ -487,13 +487,13 @@ class Library:
             raise InputError(f"{where}.thickness_um: found {um!r}; allowed is a number, µm: give it without its unit")
         if not plate["slabs"]:
             if abs(um - own) > 1e-6 * own:
-                raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed {own}, as which it was solved whole: "
+                raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed {own:.6g}, as which it was solved whole: "
                                  "take another plate of the ink, or solve it in slabs")
             return number, 1.0
         count = um / own
         count = float(round(count)) if abs(count - round(count)) < 1e-9 * count else count
         if not 2.0 <= count <= _MOST_SLABS:
-            raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed from {2 * own} µm, two slabs: "
+            raise InputError(f"{where}.thickness_um: found {um} µm of {plate['name']!r}; allowed from {2 * own:.6g} µm, two slabs: "
                              "solve thinner slabs for thinner layers")
         return number, count
 

@@ -50,7 +50,7 @@ pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
     };
     let is_json = path.extension().is_some_and(|e| e == "json");
     let kinds =
-        [STUDY_KEYS, ["measured", "fit"], ["vary", "design"], ["base", "axis"], ["wavelength", "inputs"]];
+        [STUDY_KEYS, ["measured", "fit"], ["vary", "target"], ["base", "axis"], ["wavelength", "inputs"]];
     let (found, command) = match kinds.map(|keys| has_one(text, keys)) {
         [true, false, false, false, _] => ("study", "run"),
         [false, true, false, ..] => ("fit", "fit"),
@@ -82,7 +82,7 @@ pub fn case_report(error: CaseError, path: &Path) -> Report {
         let help = "add --realisation 1 to solve one of its packings, or run all of it with `inkwave run`";
         return miette!(help = help, "{path} is a study, and this command reads a case");
     }
-    let kinds = [("fit", ["measured", "fit"]), ("design", ["vary", "design"]), ("sweep", ["base", "axis"])];
+    let kinds = [("fit", ["measured", "fit"]), ("design", ["vary", "target"]), ("sweep", ["base", "axis"])];
     match kinds.into_iter().find(|(_, keys)| has_one(&text, *keys)) {
         Some((kind, _)) => {
             let help = format!("run it with `inkwave {kind} {path}`");
@@ -168,11 +168,10 @@ pub fn step_report(error: RunError) -> miette::Report {
 
 /// Report of a run without results.
 pub fn run_report(error: RunError) -> miette::Report {
-    match error {
-        RunError::Folder(error) => folder_report(error),
+    let help = match error.cause() {
+        RunError::Folder(error) => Some(error.remedy()),
         RunError::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. } => {
-            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
-            miette!(help = help, "{error}")
+            Some("lower pigment.volume_fraction, take smaller grains or a thicker layer")
         }
         // These messages include what to try.
         RunError::Resolution(
@@ -182,15 +181,17 @@ pub fn run_report(error: RunError) -> miette::Report {
             | AccuracyError::TooManyWaves { .. }
             | AccuracyError::Unphysical(_)
             | AccuracyError::Solve(SolveError::NotConverged { .. }),
-        ) => miette!("{error}"),
+        ) => None,
         RunError::Resolution(AccuracyError::Solve(_)) => {
-            let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
-            miette!(help = help, "{error}")
+            Some("[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"")
         }
-        RunError::Resolution(_) | RunError::Wave(_) => {
-            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
-            miette!(help = help, "{error}")
-        }
-        other => miette!("{other}"),
+        RunError::Resolution(_) | RunError::Wave(_) => Some(
+            "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead",
+        ),
+        _ => None,
+    };
+    match help {
+        Some(help) => miette!(help = help, "{error}"),
+        None => miette!("{error}"),
     }
 }

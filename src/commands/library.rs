@@ -6,6 +6,7 @@ use inkwave::evaluate::composed::composition::{ComposedStack, Composition, compo
 use inkwave::evaluate::composed::library::Library;
 use inkwave::library::gather::{GatherError, from_file, gather};
 use inkwave::library::page::page;
+use inkwave::numerics::allowed::brief;
 use inkwave::numerics::estimate::Estimate;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 use serde::de::DeserializeOwned;
@@ -40,16 +41,24 @@ pub struct ComposeArgs {
 
 /// Gathers and writes the library.
 pub fn library(args: &LibraryArgs) -> Result<()> {
-    let library = gather(&args.sources).map_err(refusal)?;
-    write(&args.output, &serde_json::to_string(&library).into_diagnostic()?)?;
+    let gathered = gather(&args.sources).map_err(refusal)?;
+    let library = &gathered.library;
+    write(&args.output, &serde_json::to_string(library).into_diagnostic()?)?;
     for plate in &library.plates {
-        let kind = if plate.slabs { "slabs of" } else { "whole," };
+        let um = brief(plate.thickness_um);
+        let kind = match plate.slabs {
+            true => format!("cut into slabs of {um} µm"),
+            false => format!("solved whole, {um} µm"),
+        };
         let cells = plate.portions.first().and_then(|p| p.states.first()).map_or(0, |s| s.replicates.len());
-        say!("{}: {kind} {} µm, {cells} cells", plate.name, plate.thickness_um)?;
+        say!("{}: {kind}, means over {cells} realisations (cells of random grains)", plate.name)?;
+    }
+    for words in &gathered.left_out {
+        say!("{words}")?;
     }
     say!("Library: {}", args.output.display())?;
     if let Some(path) = &args.page {
-        write(path, &page(&library, "Library of plates").into_diagnostic()?)?;
+        write(path, &page(&gathered, "Library of plates").into_diagnostic()?)?;
         say!("Page: {}", path.display())?;
     }
     Ok(())

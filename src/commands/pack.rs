@@ -10,6 +10,7 @@ use inkwave::ink::statistics::ReachedSizes;
 use inkwave::ink::{Method, PackProgress, PackWatch, Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::load::{load_packing, stem};
+use inkwave::numerics::allowed::brief;
 use inkwave::report::packing::{is_of_one_packing, write_report};
 use inkwave::run::memory::usable;
 use inkwave::store::marker::Holds;
@@ -44,7 +45,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
     if let Some(composed) = study.composed() {
         note!(
             "layer.composed: this packs one slab of {} µm between walls; `inkwave run` takes slabs without walls where they join",
-            composed.slab_um
+            brief(composed.slab_um)
         );
     }
     let stop = StopFlag::listen();

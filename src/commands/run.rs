@@ -12,6 +12,7 @@ use inkwave::evaluate::manifest::{Count, Status};
 use inkwave::input::load::{load, load_plates, stem};
 use inkwave::input::study::{Composed, Study, StudyKind};
 use inkwave::library::gather::{OWN_LIBRARY, of_solves};
+use inkwave::numerics::allowed::brief;
 use inkwave::report::publish::{PublishError, Published, evaluate_and_publish};
 use inkwave::run::{RunSettings, Stores};
 use inkwave::store::folder::OutputFolder;
@@ -102,9 +103,12 @@ fn keep_plates(study: &Study, solved: &FinishedSolves, file: &Path, stopped: boo
         say!(
             "{}: {} µm between half-spaces of index {}",
             plate.name,
-            plate.thickness_um,
+            brief(plate.thickness_um),
             library.joint.index
         )?;
+    }
+    if let Some(words) = study.layers_without_plates() {
+        say!("{words}")?;
     }
     say!("Library: {}", file.display())
 }

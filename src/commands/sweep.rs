@@ -191,7 +191,9 @@ pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings)
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
     let on_jobs = time(plan.core_seconds, jobs as f64);
     let on_hundred = time(plan.core_seconds, 100.0);
-    say!("time              {about} {on_jobs} on {jobs} idle cores (range {range}), {on_hundred} on 100")?;
+    // what is known to be less is not known about
+    let about = if on_jobs.starts_with("less") { String::new() } else { format!("{about} ") };
+    say!("time              {about}{on_jobs} on {jobs} idle cores (range {range}), {on_hundred} on 100")?;
     say!("                  for the solves; numbers, error bars and pages take seconds more")?;
     say!("shards            {} at most", plan.units)?;
     say!("estimated from    {}", plan.calibration)

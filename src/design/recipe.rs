@@ -7,7 +7,7 @@ use super::file::{DesignFile, DesignTable, VaryTable};
 use super::surface::most_coefficients;
 use super::wish::NumberWish;
 use crate::input::check::check;
-use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::fault::{Fault, Faults, StudyError, keys_in_words};
 use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
@@ -213,6 +213,7 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     } else {
         base = measuring.clone();
     }
+    faults.title(file.title.as_deref());
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
@@ -265,7 +266,9 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
                 continue;
             }
             _ => {
-                faults.add(format!("vary[{i}]"), "both or neither", "either field or ratio", "write field");
+                let found = keys_in_words(table, &["field", "ratio"]);
+                let remedy = "write for example field = \"layer.thickness_um\"";
+                faults.add(format!("vary[{i}]"), found, "either field or ratio", remedy);
                 continue;
             }
         };
@@ -278,7 +281,9 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
         let (from, to) = (table.from, table.to);
         if !(from.is_finite() && to.is_finite() && from < to) {
             let found = format!("{from} to {to}");
-            faults.add(format!("vary[{i}].from"), found, "from below to", "exchange from and to");
+            let remedy =
+                if from > to { "exchange from and to" } else { "write for example from = 0.1, to = 0.4" };
+            faults.add(format!("vary[{i}].from"), found, "two finite numbers, from below to", remedy);
         }
         if table.ratio.is_some() && !(from > 0.0 && to < 1.0) {
             let allowed = "above 0 and below 1: both pigments stay";

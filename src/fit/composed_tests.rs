@@ -316,7 +316,7 @@ fn samples_that_contradict_themselves_are_refused() {
         (
             "backing = 0.04",
             "backing = 0.04\nopaque = true",
-            ["measured[0].backing", "a card", "none where opaque = true", "remove backing"],
+            ["measured[0].backing", "found 0.04", "none where opaque = true", "remove backing"],
         ),
         (
             "backing = 0.04",
@@ -326,7 +326,7 @@ fn samples_that_contradict_themselves_are_refused() {
         (
             "backing = 0.04",
             "opaque = true\nthickness_um = 30",
-            ["measured[0].thickness_um", "a value", "none where opaque", "remove thickness_um"],
+            ["measured[0].thickness_um", "30", "none where opaque", "remove thickness_um"],
         ),
         ("backing = 0.04", "", ["measured[0].backing", "nothing", "the albedo of the card", "opaque = true"]),
         (

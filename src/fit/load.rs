@@ -359,6 +359,7 @@ impl FitReading<'_> {
         }
         let pigment = self.pigment.in_study;
         let settings = file.fit.clone();
+        self.faults.title(file.title.as_deref());
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         let mut remarks = std::mem::take(&mut self.remarks);
         remarks.dedup();

@@ -920,12 +920,12 @@ const inkwave = (() => {
       const plate = this.content.plates[number], own = plate.thickness_um;
       if (um === undefined || um === null) return plate.slabs ? 2 : 1;
       if (!plate.slabs) {
-        if (!(Math.abs(um - own) <= 1e-6 * own)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed ${own}, as which it was solved whole`);
+        if (!(Math.abs(um - own) <= 1e-6 * own)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed ${Number(own.toPrecision(6))}, as which it was solved whole`);
         return 1;
       }
       let count = um / own;
       if (Math.abs(count - Math.round(count)) < 1e-9 * count) count = Math.round(count);
-      if (!(count >= 2 && count <= MOST_SLABS)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed from ${2 * own} µm, two slabs`);
+      if (!(count >= 2 && count <= MOST_SLABS)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed from ${Number((2 * own).toPrecision(6))} µm, two slabs`);
       return count;
     }
 

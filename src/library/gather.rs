@@ -24,24 +24,43 @@ pub struct GatherError {
     pub reason: String,
 }
 
+/// A library, and what was left out of it.
+#[derive(Clone, Debug)]
+pub struct GatheredLibrary {
+    /// The plates.
+    pub library: Library,
+    /// Layers of the sources that are no plates, in words, each once.
+    pub left_out: Vec<String>,
+}
+
 /// One library of all plates: `sources` are folders of `inkwave run`, of sweeps, and libraries.
 ///
 /// # Errors
 /// A source that cannot be read or holds no plates, and sources that do not fit together.
-pub fn gather(sources: &[PathBuf]) -> Result<Library, GatherError> {
+pub fn gather(sources: &[PathBuf]) -> Result<GatheredLibrary, GatherError> {
     let mut all: Option<Library> = None;
+    let mut left_out = Vec::new();
     for source in sources {
-        for (path, library) in read(source)? {
+        for (path, GatheredLibrary { library, left_out: more }) in read(source)? {
             match &mut all {
                 None => all = Some(library),
                 Some(all) => all.merge(library).map_err(|reason| GatherError { path, reason })?,
             }
+            left_out.extend(more);
         }
     }
-    all.filter(|library| !library.plates.is_empty()).ok_or_else(|| GatherError {
+    left_out.sort();
+    left_out.dedup();
+    let library = all.filter(|library| !library.plates.is_empty()).ok_or_else(|| GatherError {
         path: sources.first().cloned().unwrap_or_default(),
         reason: "found no layer with grains; allowed are stacks with one or more".to_owned(),
-    })
+    })?;
+    Ok(GatheredLibrary { library, left_out })
+}
+
+/// A library of which nothing is known that was left out.
+fn whole(library: Library) -> GatheredLibrary {
+    GatheredLibrary { library, left_out: Vec::new() }
 }
 
 /// A library from its file.
@@ -55,13 +74,13 @@ pub fn from_file(path: &Path) -> Result<Library, GatherError> {
 }
 
 /// The libraries of one source, with the places where they are.
-fn read(source: &Path) -> Result<Vec<(PathBuf, Library)>, GatherError> {
+fn read(source: &Path) -> Result<Vec<(PathBuf, GatheredLibrary)>, GatherError> {
     if source.is_file() {
-        return Ok(vec![(source.to_owned(), from_file(source)?)]);
+        return Ok(vec![(source.to_owned(), whole(from_file(source)?))]);
     }
     let own = source.join(OWN_LIBRARY);
     if own.is_file() && !source.join(RESULTS).is_file() {
-        return Ok(vec![(own.clone(), from_file(&own)?)]);
+        return Ok(vec![(own.clone(), whole(from_file(&own)?))]);
     }
     let variants = source.join(VARIANTS);
     if !variants.is_dir() {
@@ -87,13 +106,14 @@ pub fn of_solves(study: &Study, solved: &FinishedSolves) -> Result<Library, Stri
 }
 
 /// The plates of one finished study.
-fn of_folder(path: &Path) -> Result<Library, GatherError> {
+fn of_folder(path: &Path) -> Result<GatheredLibrary, GatherError> {
     let failed = |reason: String| GatherError { path: path.to_owned(), reason };
     let stored = StoredFolder::read(path).map_err(|error| failed(error.to_string()))?;
     match &stored {
         StoredFolder::Composed(slabs) => {
             let (study, solved) = slabs.portions();
-            Library::of_stack(study, solved, &program()).map_err(failed)
+            let library = Library::of_stack(study, solved, &program()).map_err(failed)?;
+            Ok(GatheredLibrary { library, left_out: Vec::from_iter(study.layers_without_plates()) })
         }
         StoredFolder::Whole(_) => Err(failed(
             "a layer that was solved with the air around it, from directions of its own: it holds no plates. Solve it as a plate: \

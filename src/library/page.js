@@ -65,10 +65,12 @@
   }
   const target = () => Number(document.querySelector("[name=target]:checked").value);
   const plateOf = name => library.content.plates[library.plates.get(name)];
+  /** A number with six significant digits. */
+  const brief = value => String(Number(value.toPrecision(6)));
   function plateInWords(name) {
     const { pigments, thickness_um, slabs, binder } = plateOf(name);
     const grains = pigments.map(p => `${p.name} ${(100 * p.volume_fraction).toFixed(0)} %, ${p.size_nm[0] === p.size_nm[1] ? p.size_nm[0] : p.size_nm.join(" to ")} nm`).join("; ");
-    return `${grains}; binder ${binder}; ${slabs ? `slabs of ${thickness_um} µm` : `${thickness_um} µm`}`;
+    return `${grains}; binder ${binder}; ${slabs ? `slabs of ${brief(thickness_um)} µm` : `${brief(thickness_um)} µm`}`;
   }
 
   function put(k, plate, place = 0) {
@@ -88,7 +90,7 @@
       thickness = make("input", { type: "number", value, min: 2 * plate.thickness_um, step: plate.thickness_um / 2, "aria-label": "Thickness in µm", onchange: event => { layer.thickness_um = Number(event.target.value); draw(); } });
     } else {
       thickness = make("select", { "aria-label": "Thickness", onchange: event => { layer.plate = event.target.value; delete layer.thickness_um; draw(); } },
-        ...same.filter(other => !other.slabs).map(other => { const option = make("option", { value: other.name }, `${other.thickness_um} µm`); option.selected = other.name === layer.plate; return option; }));
+        ...same.filter(other => !other.slabs).map(other => { const option = make("option", { value: other.name }, `${brief(other.thickness_um)} µm`); option.selected = other.name === layer.plate; return option; }));
     }
     const own = layer.coverage === undefined ? state.coverage : layer.coverage;
     const dots = state.dots === "each" ? [make("input", { type: "range", class: "coverage", min: 0, max: 1, step: 0.01, value: own, title: `${(100 * own).toFixed(0)} %`, "aria-label": `Coverage of ${layer.plate}`, oninput: event => { layer.coverage = Number(event.target.value); look(k); }, onchange: () => draw() })] : [];

@@ -22,7 +22,27 @@ pub fn shown(value: f64) -> String {
 /// Longest number in a message, characters.
 const LONGEST: usize = 24;
 
-/// A text whose very long numbers, such as all digits of 1e300, are written with a power of ten.
+/// Significant digits of [`brief`] numbers.
+const BRIEF: usize = 6;
+
+/// A number with at most six significant digits, as messages write lengths.
+pub fn brief(value: f64) -> String {
+    let digits = BRIEF - 1;
+    shown(format!("{value:.digits$e}").parse().unwrap_or(value))
+}
+
+/// Significant digits from which on a number with a decimal point is what binary fractions leave of
+/// a shorter one: 0.39999999999999997 of 0.4.
+const ARTEFACT: usize = 15;
+
+/// Whether a written number has more digits than people write.
+fn is_artefact(number: &str) -> bool {
+    let digits = number.chars().filter(char::is_ascii_digit).skip_while(|c| *c == '0').count();
+    number.contains('.') && digits >= ARTEFACT
+}
+
+/// A text whose very long numbers, such as all digits of 1e300, are written with a power of ten,
+/// and numbers such as 0.39999999999999997 with six digits.
 pub fn with_short_numbers(text: &str) -> String {
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let mut short = String::with_capacity(text.len());
@@ -32,6 +52,7 @@ pub fn with_short_numbers(text: &str) -> String {
         let (number, after) = from.split_at(from.find(|c| !is_part(c)).unwrap_or(from.len()));
         short += before;
         match number.parse::<f64>() {
+            Ok(value) if is_artefact(number) => short += &brief(value),
             Ok(value) if number.len() > LONGEST => short += &format!("{value:e}"),
             _ => short += number,
         }
@@ -180,11 +201,26 @@ impl<T: Transform> Transform for Each<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::shown;
+    use super::{brief, shown, with_short_numbers};
 
     #[test]
     fn very_small_and_very_large_numbers_have_a_power_of_ten() {
         let all = [1e-300, -2.5e-5, 1e-4, 0.3, 0.0, 700.0, 1e300, f64::INFINITY];
         assert_eq!(all.map(shown), ["1e-300", "-2.5e-5", "0.0001", "0.3", "0", "700", "1e300", "inf"]);
+    }
+
+    /// *Planted*: numbers cut at six digits although they were written with seven.
+    #[test]
+    fn rounding_of_binary_fractions_is_not_shown() {
+        assert_eq!(with_short_numbers("slabs of 0.39999999999999997 µm"), "slabs of 0.4 µm");
+        assert_eq!(
+            with_short_numbers("0.6666666666666666, seed 18446744073709551"),
+            "0.666667, seed 18446744073709551"
+        );
+        assert_eq!(with_short_numbers("550.1234567 nm, 1.2345678901234567e-7"), "550.1234567 nm, 1.23457e-7");
+        assert_eq!(
+            [0.1 + 0.2, 2.0 / 3.0, 1.0, 0.0, -1e-7 / 3.0].map(brief),
+            ["0.3", "0.666667", "1", "0", "-3.33333e-8"]
+        );
     }
 }

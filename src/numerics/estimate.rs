@@ -45,8 +45,9 @@ impl Estimate {
     }
 
     /// Display such as `35.55 ± 0.56`: the error with two significant digits and the value rounded
-    /// to match. The value alone, with `decimals`, if the error is unknown, zero or rounding; empty
-    /// for NaN.
+    /// to match, to at most six decimals. The value alone if the error is less than that: with
+    /// `decimals` if the error is unknown, zero or rounding, else with six digits or `decimals`;
+    /// empty for NaN.
     pub fn in_words(&self, decimals: usize) -> String {
         if !self.value.is_finite() {
             return String::new();
@@ -55,16 +56,26 @@ impl Estimate {
         let error = self.standard_error.filter(|error| error.is_finite() && *error > rounding);
         let Some(error) = error else { return signed(self.value, decimals) };
         // an error with two significant digits
-        let decimals = (1 - error.log10().floor() as i32).clamp(0, MOST_DECIMALS) as usize;
+        let needed = 1 - error.log10().floor() as i32;
+        if needed > MOST_DECIMALS && error < 0.5 * 10f64.powi(-MOST_DECIMALS) {
+            return signed(self.value, decimals.max(self.decimals_of_six_digits()));
+        }
+        let decimals = needed.clamp(0, MOST_DECIMALS) as usize;
         format!("{} ± {error:.decimals$}", signed(self.value, decimals))
+    }
+
+    /// Decimals with which the value has six significant digits, at most as many as are displayed.
+    fn decimals_of_six_digits(&self) -> usize {
+        let digits = MOST_DECIMALS - 1 - self.value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+        digits.clamp(0, MOST_DECIMALS) as usize
     }
 }
 
 /// Errors that are smaller, relative to the value or at all, are rounding.
 const ROUNDING: f64 = 1e-9;
 const LEAST_ERROR: f64 = 1e-12;
-/// Largest number of decimals displayed.
-const MOST_DECIMALS: i32 = 12;
+/// Largest number of decimals displayed: no number that is published is known to more.
+const MOST_DECIMALS: i32 = 6;
 
 /// The number with a true minus sign, and none before zero.
 fn signed(value: f64, decimals: usize) -> String {
@@ -192,6 +203,11 @@ mod tests {
         assert_eq!(words(1234.5, 67.8), "1234 ± 68");
         assert_eq!(words(-0.0004, 0.03), "0.000 ± 0.030");
         assert_eq!(words(-7.0, 0.0), "−7.00");
+        // *Planted*: twelve decimals
+        assert_eq!(words(0.2144, 3.1e-8), "0.214400");
+        assert_eq!(words(1e-5, 1e-11), "0.000010");
+        assert_eq!(words(35.552, 4e-8), "35.5520");
+        assert_eq!(words(0.2144, 1.4e-6), "0.214400 ± 0.000001");
         assert_eq!(Estimate::unknown_error(0.12345).in_words(3), "0.123");
     }
 

@@ -38,8 +38,13 @@ pub struct FileError {
 impl FileError {
     /// What is wrong in a file, at a line or in a column of it.
     pub fn new(place: impl Display, reason: impl Display) -> Self {
-        Self { place: place.to_string(), reason: reason.to_string() }
+        Self { place: named(&place.to_string()), reason: reason.to_string() }
     }
+}
+
+/// A path in a message, also one that is blank.
+pub fn named(path: &str) -> String {
+    if path.trim().is_empty() { format!("{path:?}, a blank file name") } else { path.to_owned() }
 }
 
 /// The text of a regular file of at most `most` bytes, without a byte order mark.
@@ -85,6 +90,7 @@ mod tests {
         assert_eq!(read_text(&path, 5).unwrap(), "{}");
         std::fs::write(&path, "12345").unwrap();
         assert!(read_text(&path, 4).unwrap_err().to_string().contains("larger"));
+        assert!(FileError::new("", "not there").to_string().starts_with("\"\", a blank file name: not"));
         assert!(read_text(folder.path(), 4).unwrap_err().to_string().contains("regular"));
         std::fs::write(&path, [0xff, 0xfe]).unwrap();
         assert!(read_text(&path, 5).unwrap_err().to_string().contains("UTF-8"));

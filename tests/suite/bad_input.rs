@@ -2,7 +2,7 @@
 //! code is not zero and nothing is written.
 
 use crate::run_support::{TINY, run, study};
-use crate::slips::{INK, K, LIGHT, NUMBER, OF_STACKS, STACK, Slip};
+use crate::slips::{BLANK, BLANK_IN_STACKS, INK, K, LIGHT, NUMBER, OF_STACKS, STACK, Slip};
 use std::path::Path;
 
 /// The message without the frame and the line breaks of the terminal.
@@ -30,9 +30,11 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
     csv("narrow.csv", "500,0.1\n600,0.1\n");
     csv("wide.csv", "380,0.1\n780,0.1\n");
     csv("huge.csv", "380,1e5\n780,1e5\n");
+    csv("angstrom.csv", "3000,0.1\n8000,0.2\n");
     csv("empty.csv", "400,0.1\n550,\n700,0.1\n");
     csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
     std::fs::write(folder.path().join("dark.csv"), "wavelength_nm,reflectance\n400,0.8\n700,2.9\n").unwrap();
+    std::fs::write(folder.path().join("angstrom_print.csv"), "nm,reflectance\n3000,0.5\n8000,0.6\n").unwrap();
     std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
     std::fs::write(folder.path().join("below.csv"), "wavelength_nm,weight\n400,1\n700,-0.5\n").unwrap();
     for (name, constant) in [("negative_square.yml", "-2"), ("small_n.yml", "0.0001")] {
@@ -42,8 +44,9 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
         std::fs::write(folder.path().join(name), record).unwrap();
     }
     let mut missed = Vec::new();
-    let of_layers = INK.iter().chain(LIGHT).chain(NUMBER).map(|slip| (TINY, slip));
-    for (good, Slip { from, to, says }) in of_layers.chain(OF_STACKS.iter().map(|slip| (STACK, slip))) {
+    let of_layers = INK.iter().chain(LIGHT).chain(NUMBER).chain(BLANK).map(|slip| (TINY, slip));
+    let of_stacks = OF_STACKS.iter().chain(BLANK_IN_STACKS).map(|slip| (STACK, slip));
+    for (good, Slip { from, to, says }) in of_layers.chain(of_stacks) {
         assert!(good.contains(from), "{from}");
         let text = good.replacen(from, to, 1);
         let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
@@ -53,6 +56,9 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
             }
         }
         let line = to.lines().last().unwrap_or_default();
+        if (message.contains("NaN") && !to.contains("nan")) || message.contains("found given") {
+            missed.push(format!("{to:?} says no value: {message}"));
+        }
         if !line.is_empty() && !message.contains("study.toml:") {
             missed.push(format!("{to:?} does not show its line: {message}"));
         }

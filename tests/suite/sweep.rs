@@ -224,7 +224,13 @@ fn slips_in_values_and_labels_of_an_axis_are_told() {
         "values = [0.10, 1.15]",
         &["axis[0].values", "1.15", "0.64", "volume_fraction"],
     );
-    slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "no values", "from, to"]);
+    slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "an empty list", "from, to"]);
+    slip("name = \"paper\"", "name = \" \"", &["axis[2].name", "a blank name", "name the axis"]);
+    slip(
+        "[\"10 %\", \"15 %\"]",
+        "[\"10 %\", \" \"]",
+        &["axis[0].labels", "a blank name", "value of the axis"],
+    );
     slip("[\"10 %\", \"15 %\"]", "[\"10 %\"]", &["axis[0].labels", "1 labels", "2 labels"]);
     slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"\nfrom = 3", &["axis[1].values"]);
     slip("\"molecular\", 200]", "\"atomic\", 200]", &["atomic", "molecular"]);
@@ -257,7 +263,7 @@ fn slips_in_conclusions_are_told() {
     slip(
         "id = \"size\"",
         "id = \"dark paper\"",
-        &["conclusion[1].id", "\"dark paper\" twice", "names that differ"],
+        &["conclusion[1].id", "\"dark paper\" twice", "a name that no other conclusion has"],
     );
 }
 

@@ -219,7 +219,7 @@ impl ComparisonFile {
         let leave = "leave one out";
         let one = "exactly one of `study`, `case` and `cases`";
         let name = "name a study file or case files, or write a whole study as [study]";
-        let beside = "given beside a case";
+        let beside = "a value beside a case";
         let instead = "name a study instead, or leave it out";
         let one_scheme = "no schemes: the vector wave has one discretisation only";
         let varied = "a study, whose period and index vary";
@@ -233,16 +233,20 @@ impl ComparisonFile {
             (is_empty(&self.schemes), "schemes", "empty", some, fill),
             (is_empty(&self.resolutions), "resolutions", "empty", some, fill),
             (self.repeats == Some(0), "repeats", "0", some, fill),
-            (vector && self.schemes.is_some(), "schemes", "given with wave = \"vector\"", one_scheme, leave),
-            (given > 1, "geometry", "given twice", one, name),
-            (given == 0, "geometry", "not given", one, name),
+            (vector && self.schemes.is_some(), "schemes", "a list with wave = \"vector\"", one_scheme, leave),
+            (given > 1, "geometry", "more than one of them", one, name),
+            (given == 0, "geometry", "none of them", one, name),
             (case && self.matrix.is_some(), "matrix", beside, varied, instead),
             (case && self.wavelength_nm.is_some(), "wavelength_nm", beside, wave, instead),
             (case && self.polar_deg.is_some(), "polar_deg", beside, direction, instead),
-            (both, "accuracy", "given beside `resolutions`", grids, leave),
+            (both, "accuracy", "a value beside `resolutions`", grids, leave),
         ];
         for (_, field, found, allowed, remedy) in rules.into_iter().filter(|rule| rule.0) {
             faults.add(field, found, allowed, remedy);
+        }
+        for (i, case) in self.cases.iter().enumerate() {
+            let name = case.name.as_deref().filter(|name| name.trim().is_empty());
+            name.into_iter().for_each(|blank| faults.name(format!("cases[{i}].name"), blank, [], "case"));
         }
         self.matrix.iter().for_each(|matrix| matrix.check(&mut faults));
         let mut taken: Vec<String> = SolverChoice::NAMES.iter().map(|name| name.to_string()).collect();

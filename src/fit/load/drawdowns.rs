@@ -7,7 +7,7 @@ use super::{Drawdown, FitReading};
 use crate::fit::face::SampleFace;
 use crate::fit::file::{FitGeometry, MeasuredTable};
 use crate::input::check::check;
-use crate::input::fault::Fault;
+use crate::input::fault::{Fault, as_written};
 use crate::input::field::set;
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::read_table;
@@ -78,7 +78,8 @@ impl FitReading<'_> {
             }
             if list == "predict" && !table.number.is_empty() {
                 let remedy = "move them under [[measured]], or remove them";
-                self.faults.add(format!("{field}.number"), "given", "none under [[predict]]", remedy);
+                let found = format!("{} numbers", table.number.len());
+                self.faults.add(format!("{field}.number"), found, "none under [[predict]]", remedy);
             }
             let same = |coat: &Study| coat.packings_key() == study.packings_key();
             let coat = coats.iter().position(same).unwrap_or(coats.len());
@@ -188,16 +189,17 @@ impl FitReading<'_> {
             self.faults.add(format!("{field}.opaque"), "true", "a layer that light passes", remedy);
             return None;
         }
-        if table.opaque && table.thickness_um.is_some() {
+        if let Some(um) = table.thickness_um.filter(|_| table.opaque) {
             let remedy = "remove thickness_um, or opaque";
-            self.faults.add(format!("{field}.thickness_um"), "a value", "none where opaque = true", remedy);
+            self.faults.add(format!("{field}.thickness_um"), um, "none where opaque = true", remedy);
             return None;
         }
         let without_card = table.opaque || is_free;
         match &table.backing {
-            Some(_) if without_card => {
+            Some(backing) if without_card => {
                 let allowed = "none where opaque = true, or geometry = \"transmittance\"";
-                self.faults.add(format!("{field}.backing"), "a card", allowed, "remove backing");
+                let found = as_written(backing);
+                self.faults.add(format!("{field}.backing"), found, allowed, "remove backing");
                 None
             }
             Some(backing) => Some(written(backing, self.folder)),
@@ -228,7 +230,7 @@ impl FitReading<'_> {
         let field = format!("{field}.face");
         if geometry == FitGeometry::Transmitted {
             let remedy = "remove face: what a film passes is taken with smooth faces";
-            self.faults.add(field, "given", "none where geometry = \"transmittance\"", remedy);
+            self.faults.add(field, as_written(&face), "none where geometry = \"transmittance\"", remedy);
             return SampleFace::Smooth;
         }
         match (face.light, face.k1.zip(face.k2)) {
@@ -244,7 +246,7 @@ impl FitReading<'_> {
                 SampleFace::saunderson([k1, k2], geometry, &study.layer.binder.index)
             }
             _ => {
-                let found = serde_json::to_string(&face).unwrap_or_default();
+                let found = as_written(&face);
                 let allowed = "light alone, or k1 and k2 together";
                 let remedy = "write face = { light = 0.012 } or face = { k1 = 0.03, k2 = 0.6 }";
                 self.faults.add(field, found, allowed, remedy);

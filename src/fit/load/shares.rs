@@ -46,10 +46,10 @@ impl Shares {
             (None, Some(parts)) => ("weights", parts),
         };
         let of = |name: &str| format!("{field}.{key}.{name}");
-        if table.volume_fraction.is_some() {
+        if let Some(share) = table.volume_fraction {
             let allowed = format!("none beside {key}");
             let remedy = format!("remove it: {key} names the pigment as well");
-            return Err(Fault::new(format!("{field}.volume_fraction"), "a value", allowed, remedy));
+            return Err(Fault::new(format!("{field}.volume_fraction"), share, allowed, remedy));
         }
         let is_known = |name: &String| names.contains(name) || (key == "weights" && name == BINDER);
         if let Some(name) = parts.keys().find(|name| !is_known(name)) {

@@ -6,6 +6,7 @@ use crate::input::measured::{
     MeasuredContent, MeasuredGeometry, MeasuredKind, MeasuredReading, MeasuredRequest,
 };
 use crate::input::study::Study;
+use crate::material::columns::in_other_unit;
 
 /// Largest reflectance factor accepted: a layer does not emit light, but calibrations may err.
 const BRIGHTEST: f64 = 1.02;
@@ -75,7 +76,8 @@ impl FitReading<'_> {
         if values.is_none() {
             let [first, last] = [waves[0], waves[waves.len() - 1]];
             let allowed = format!("all wavelengths of the base: {first} to {last} nm");
-            let remedy = "give [light] of the base a range that all files cover";
+            let usual = "give [light] of the base a range that all files cover";
+            let remedy = in_other_unit([from, to], [first, last]).unwrap_or_else(|| usual.to_owned());
             self.faults.add(format!("{field}.file"), format!("{from} to {to} nm"), allowed, remedy);
         }
         Some(FitSpectrum { values: values?, geometry })

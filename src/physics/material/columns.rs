@@ -6,6 +6,7 @@
 //!
 //! Also ranges of tables, and gaps between their rows too wide to interpolate without a warning.
 
+use crate::numerics::allowed::brief;
 use crate::numerics::files::{self, FileError};
 use csv::StringRecord;
 use std::collections::HashSet;
@@ -21,6 +22,22 @@ const MOST_COLUMNS: usize = 10_000;
 pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64> {
     let largest = wavelengths_nm.into_iter().reduce(f64::max)?;
     (0.0 < largest && largest < LEAST_NM).then_some(largest)
+}
+
+/// What wavelengths from `low` to `high`, read as nm, are in another unit, where they have nothing
+/// in common with those that are needed and would have in that unit: what they look like, and how
+/// to write them in nm.
+pub fn in_other_unit([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Option<String> {
+    let meets = |[low, high]: [f64; 2]| low <= to && high >= from;
+    let units = [
+        ("ångström", [0.1 * low, 0.1 * high], "divide them by 10"),
+        ("µm", [1e3 * low, 1e3 * high], "multiply them by 1000"),
+        ("wavenumbers in 1/cm", [1e7 / high, 1e7 / low], "write 10000000 divided by each"),
+    ];
+    let is_none = low > 0.0 && !meets([low, high]);
+    let (unit, _, remedy) = units.into_iter().find(|(_, range_nm, _)| is_none && meets(*range_nm))?;
+    let [low, high] = [low, high].map(brief);
+    Some(format!("wavelengths from {low} to {high} look like {unit}: if so, {remedy}, which gives nm"))
 }
 
 /// Columns by name, and rows of numbers; an empty cell is `None`.
@@ -241,5 +258,24 @@ mod tests {
         assert_eq!(widest_gap_nm(&rows, [500.0, 500.0]), Some([450.0, 530.0]));
         assert_eq!(widest_gap_nm(&rows, [450.0, 450.0]), None, "a wavelength on a row");
         assert_eq!(widest_gap_nm(&[400.0, 700.0], [420.0, 680.0]), Some([400.0, 700.0]));
+    }
+
+    /// *Planted*: tables in nm that lie beyond the light taken for ångström.
+    #[test]
+    fn wavelengths_in_another_unit_are_told() {
+        let visible = [400.0, 700.0];
+        for (range, words) in [
+            ([3000.0, 8000.0], Some("ångström: if so, divide them by 10")),
+            ([0.3, 20.0], Some("µm: if so, multiply them by 1000")),
+            ([12_500.0, 25_000.0], Some("1/cm: if so, write 10000000 divided by each")),
+            ([380.0, 4000.0], None),
+            ([750.0, 2500.0], None),
+            ([200.0, 390.0], None),
+            ([-5.0, 0.0], None),
+        ] {
+            let said = in_other_unit(range, visible);
+            assert_eq!(said.is_some(), words.is_some(), "{range:?}: {said:?}");
+            assert!(said.unwrap_or_default().contains(words.unwrap_or_default()), "{range:?}");
+        }
     }
 }

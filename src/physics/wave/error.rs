@@ -1,5 +1,6 @@
 //! Errors of wave problems, each with the value found and the remedy.
 
+use crate::numerics::allowed::brief;
 use thiserror::Error;
 
 /// Invalid scenes, media, lights or grids.
@@ -11,8 +12,8 @@ pub enum WaveError {
     Unsound(String),
     /// A body that extends beyond the layer.
     #[error(
-        "body {body} reaches from z = {low_um} to {high_um} µm; it must lie within 0 … {thickness_um} µm: \
-         move it or make the layer thicker"
+        "body {body} reaches from z = {} to {} µm; it must lie within 0 … {} µm: move it or make the layer thicker",
+        brief(*low_um), brief(*high_um), brief(*thickness_um)
     )]
     OutsideLayer {
         /// Index of the body in the scene.
@@ -39,8 +40,8 @@ pub enum WaveError {
     Stopped,
     /// A grid too coarse along z for the wave.
     #[error(
-        "cell {cell} of the grid is {height_um:.4} µm high: phase k·h = {phase:.2} rad per cell, at most {limit} \
-         is accurate; use at least {needed} cells in z"
+        "cell {cell} of the grid along z is {height_um:.4} µm high, and the phase of the wave turns by {phase:.2} rad over it; at \
+         most {limit} is accurate: use at least {needed} cells in z (each has one to four planes, as its scheme says)"
     )]
     CellTooHigh {
         /// Number of the cell.

@@ -33,7 +33,7 @@ pub use operator::inverse::MeanInverse;
 pub use operator::mean::MeanOperator;
 pub use operator::problem::{DIRECTIONS, Mean, Medium, Problem};
 pub use operator::scattering::{Scatter, Scattering};
-pub use operator::setting::Setting;
+pub use operator::setting::{PHASE_LIMIT, Setting};
 pub use physical::{TotalErrors, Unphysical};
 pub use scene::{Body, BodyShape, HeightField, Material, Media, Scene, Stratum, Uniaxial, mean_of_rays};
 pub use system::System;

@@ -126,7 +126,7 @@ fn inputs(document: Node) -> Result<Node, Fault> {
     let allowed = "all keys of the case in `inputs`";
     let remedy = "move it into `inputs`, or remove it";
     match known.map(|(key, _)| key).find(|key| *key != "note" && document.get(key).is_some()) {
-        Some(key) => Err(Fault::new(key, "given beside `inputs`", allowed, remedy)),
+        Some(key) => Err(Fault::new(key, "a key beside `inputs`", allowed, remedy)),
         None => Ok(inputs.clone()),
     }
 }

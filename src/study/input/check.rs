@@ -48,6 +48,9 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
     check_relief(file, &study, &mut faults);
+    if faults.0.is_empty() {
+        faults.0.extend(study.grid_faults());
+    }
     if let Some(surface) = study.scalar_surface().filter(|_| study.paper.measured.is_some()) {
         study.remarks.push(format!("paper.measured: {}", surface.in_words()));
     }
@@ -101,9 +104,16 @@ struct Examined {
 }
 
 fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
-    if let Some(layers) = &written.layer.stacked {
-        return stack::examine(written, layers, folder, name);
-    }
+    let mut examined = match &written.layer.stacked {
+        Some(layers) => stack::examine(written, layers, folder, name),
+        None => examine_single(written, folder, name),
+    };
+    examined.packing_faults.title(written.title.as_deref());
+    examined
+}
+
+/// Examines a study that is not one of `[[layer]]`.
+fn examine_single(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut examined = examine_layer(written, folder, name);
     if written.layer.composed.is_none() {
         check_whole_thickness(&mut examined);

@@ -2,6 +2,7 @@
 
 pub use crate::numerics::allowed::Allowed;
 use crate::numerics::allowed::{Whole, shown, with_short_numbers};
+use crate::numerics::files::named;
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
@@ -20,6 +21,9 @@ pub struct Fault {
     /// What to try.
     pub remedy: String,
 }
+
+/// What is found in a list without entries.
+pub const EMPTY_LIST: &str = "an empty list";
 
 /// What is found where no key of that name exists.
 pub(super) const UNKNOWN_KEY: &str = "an unknown key";
@@ -82,7 +86,7 @@ pub(super) fn floor_char_boundary(text: &str, byte: usize) -> usize {
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The file cannot be read.
-    #[error("cannot read the study file {}: {source}", path.display())]
+    #[error("cannot read the study file {}: {source}", named(&path.display().to_string()))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -123,6 +127,23 @@ impl fmt::Display for Faults {
     }
 }
 
+/// Maximum length of a value in a message, characters.
+const LONGEST_FOUND: usize = 200;
+
+/// A value of bounded length.
+pub(super) fn shortened(found: String) -> String {
+    if found.chars().count() <= LONGEST_FOUND {
+        return found;
+    }
+    found.chars().take(LONGEST_FOUND).chain(['…']).collect()
+}
+
+/// A value as a file writes it, cut where it is long.
+pub fn as_written(value: &impl Serialize) -> String {
+    let written = toml::Value::try_from(value).map(|value| value.to_string());
+    shortened(written.unwrap_or_else(|_| "a value".to_owned()))
+}
+
 /// Lists those of some keys that are present in a table.
 pub fn keys_in_words(table: &impl Serialize, keys: &[&str]) -> String {
     let table = toml::Table::try_from(table).unwrap_or_default();
@@ -159,6 +180,41 @@ impl Faults {
         if !allowed.holds(value) {
             self.add(field, shown(value), allowed.to_string(), remedy);
         }
+    }
+
+    /// Reports a name of a part, such as `"layer"`, that is blank or that one of the others has.
+    pub fn name<'n>(
+        &mut self,
+        field: String,
+        name: &str,
+        others: impl IntoIterator<Item = &'n str>,
+        part: &str,
+    ) {
+        if name.trim().is_empty() {
+            let allowed = "a name with a letter or a digit";
+            self.add(field, format!("{name:?}, a blank name"), allowed, format!("name the {part}"));
+        } else if others.into_iter().any(|other| other == name) {
+            let allowed = format!("a name that no other {part} has");
+            self.add(field, format!("{name:?} twice"), allowed, format!("give this {part} another name"));
+        }
+    }
+
+    /// Reports a title that is blank.
+    pub fn title(&mut self, title: Option<&str>) {
+        if let Some(blank) = title.filter(|title| title.trim().is_empty()) {
+            let remedy = "write a title, or leave it out: it is then the name of the file";
+            self.add(
+                "title",
+                format!("{blank:?}, a blank title"),
+                "a title with a letter or a digit",
+                remedy,
+            );
+        }
+    }
+
+    /// Reports a list without entries.
+    pub fn empty(&mut self, field: impl Into<String>, allowed: impl Into<String>, remedy: impl Into<String>) {
+        self.add(field, EMPTY_LIST, allowed, remedy);
     }
 
     /// Reports a whole number outside its allowed range.

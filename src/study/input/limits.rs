@@ -4,6 +4,8 @@ use crate::numerics::allowed::{Allowed, Each, Whole};
 use schemars::Schema;
 use schemars::transform::Transform;
 
+/// Relative rounding of a length that messages write with six digits: who types it has typed it.
+pub const ROUNDED: f64 = 1e-6;
 /// Longer lists of wavelengths or angles are mistakes.
 pub const LONGEST_LIST: usize = 10_000;
 

@@ -1,6 +1,6 @@
 //! Translates serde's errors about values of the wrong type into the messages of this program.
 
-use super::fault::{Fault, UNKNOWN_KEY};
+use super::fault::{Fault, UNKNOWN_KEY, shortened};
 use crate::numerics::allowed::shown;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
@@ -13,9 +13,6 @@ pub struct Misfit(Option<Fault>);
 
 /// Names of keys or of variants.
 pub(super) type KeyNames = &'static [&'static str];
-
-/// Maximum length of a value in a message, characters.
-const LONGEST_FOUND: usize = 200;
 
 impl Misfit {
     pub(super) const RECORDED: Self = Self(None);
@@ -31,13 +28,6 @@ impl Misfit {
         let field = Some(join(place, &fault.field)).filter(|field| !field.is_empty());
         Some(Fault { field: field.unwrap_or_else(|| "the whole file".to_owned()), found, ..fault })
     }
-}
-
-fn shortened(found: String) -> String {
-    if found.chars().count() <= LONGEST_FOUND {
-        return found;
-    }
-    found.chars().take(LONGEST_FOUND).chain(['…']).collect()
 }
 
 /// Joins paths: `layer` and `binder.index` → `layer.binder.index`; indices keep their brackets.
@@ -119,6 +109,7 @@ fn in_words(kind: &str) -> String {
         "u64" | "usize" | "u32" | "u16" | "u8" => "a whole number from 0".into(),
         "i64" | "i32" | "isize" => "a whole number".into(),
         "a boolean" => "true or false".into(),
+        "a sequence" => "a list in brackets, such as [1, 2]".into(),
         other => {
             if other.starts_with("struct ") {
                 "a table".into()

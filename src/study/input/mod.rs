@@ -26,7 +26,7 @@ pub mod variation;
 pub mod voxels;
 pub mod wave_kind;
 
-pub use fault::{Allowed, Fault, Faults, keys_in_words};
+pub use fault::{Allowed, Fault, Faults, as_written, keys_in_words};
 pub use file::StudyFile;
 pub use measured::MeasuredSpectrum;
 pub use study::Study;

@@ -1,6 +1,7 @@
 //! A checked study: the only input of a run.
 
 mod composed;
+mod given_grid;
 mod kind;
 mod moved;
 mod number;

@@ -20,7 +20,7 @@ use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT, scaled};
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::store::{Key, Record, Store};
 use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
-use probed::{Probing, grid};
+use probed::Probing;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -141,7 +141,7 @@ pub fn resolve(
         store.put(key(study).as_str(), &resolved)?;
         return Ok(resolved);
     }
-    if let Some(grid) = given_grid(study) {
+    if let Some(grid) = study.given_grid(&study.draw(0)) {
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
     let scenes = with_room(0..compared(study), packings_compared(study), scene)?;
@@ -186,15 +186,6 @@ pub(super) fn with_room<T>(
 /// The study's grid if it is stored.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
     store.get(key(study).as_str())
-}
-
-/// The grid that a study asks for by its points and planes, in the cell of the first realisation;
-/// `None` where its accuracy chooses the grid.
-pub fn given_grid(study: &Study) -> Option<Resolution> {
-    let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution else {
-        return None;
-    };
-    Some(grid(&study.draw(0), points_per_um, planes_per_um, scheme))
 }
 
 /// Number of packings on which two grids are compared: one is enough if whole realisations are

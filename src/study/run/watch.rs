@@ -58,6 +58,14 @@ impl RunWatch for () {}
 /// Why a run has no results.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// A part of the study, such as a layer of a stack, has no result.
+    #[error("{name}: {source}")]
+    Part {
+        /// Its name.
+        name: String,
+        /// The reason.
+        source: Box<RunError>,
+    },
     /// A realisation could not be packed.
     #[error("realisation {}: {source}", realisation + 1)]
     Packing {
@@ -93,6 +101,19 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// The error of a part of this name; of the study itself where the name is empty.
+    pub fn of_part(self, name: &str) -> Self {
+        match name {
+            "" => self,
+            name => Self::Part { name: name.to_owned(), source: Box::new(self) },
+        }
+    }
+
+    /// The error itself, without the name of the part.
+    pub fn cause(&self) -> &Self {
+        if let Self::Part { source, .. } = self { source.cause() } else { self }
+    }
+
     /// Turns every error caused by a stop into [`RunError::Stopped`]: a stop is not a failure of
     /// packing or grid.
     pub fn stopped(self) -> Self {
@@ -108,7 +129,7 @@ impl RunError {
     /// True if the study itself is the cause, so that another one may well have results: its grains
     /// find no room, or no grid reaches its accuracy.
     pub fn is_of_the_study(&self) -> bool {
-        match self {
+        match self.cause() {
             Self::Resolution(error) => !error.is_stop(),
             Self::Wave(error) => *error != WaveError::Stopped,
             other => other.has_no_room(),
@@ -117,6 +138,9 @@ impl RunError {
 
     /// True if the grains of one realisation found no room, which does not affect the others.
     pub fn has_no_room(&self) -> bool {
-        matches!(self, Self::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. })
+        matches!(
+            self.cause(),
+            Self::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. }
+        )
     }
 }

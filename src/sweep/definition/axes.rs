@@ -1,7 +1,8 @@
 //! Axes of a sweep: turns lists, ranges and cases into labelled settings.
 
 use super::file::{AxisTable, CaseTable};
-use crate::input::fault::{Allowed, Faults};
+use crate::input::fault::{Allowed, EMPTY_LIST, Faults};
+use std::cmp::Ordering;
 use toml::{Table, Value};
 
 /// Maximum number of values of an axis.
@@ -44,7 +45,8 @@ impl Axis {
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
-                faults.add(place("field"), "both or neither", allowed, remedy);
+                let found = if table.field.is_some() { "field and cases" } else { "none of them" };
+                faults.add(place("field"), found, allowed, remedy);
                 Vec::new()
             }
         };
@@ -60,11 +62,9 @@ impl Axis {
     }
 
     fn check_labels(&self, field: &str, faults: &mut Faults) {
-        for (k, setting) in self.settings.iter().enumerate() {
-            if self.settings[..k].iter().any(|earlier| earlier.label == setting.label) {
-                let remedy = "give each value its own label, and no value twice";
-                faults.add(field, format!("{:?} twice", setting.label), "labels that differ", remedy);
-            }
+        let labels: Vec<&str> = self.settings.iter().map(|setting| setting.label.as_str()).collect();
+        for (k, label) in labels.iter().enumerate() {
+            faults.name(field.to_owned(), label, labels[..k].iter().copied(), "value of the axis");
         }
     }
 
@@ -98,20 +98,42 @@ pub(super) fn names(axes: &[Axis]) -> String {
     format!("the axes {}", axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", "))
 }
 
+impl AxisTable {
+    /// Which keys of values there are.
+    fn values_in_words(&self) -> String {
+        let keys = [
+            ("values", self.values.is_some()),
+            ("from", self.from.is_some()),
+            ("to", self.to.is_some()),
+            ("step", self.step.is_some()),
+            ("count", self.count.is_some()),
+        ];
+        let keys: Vec<&str> =
+            keys.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect();
+        match keys.as_slice() {
+            [] => "none of these keys".to_owned(),
+            ["values"] => EMPTY_LIST.to_owned(),
+            keys => keys.join(" and "),
+        }
+    }
+}
+
 fn of_case(case: &CaseTable) -> AxisSetting {
     AxisSetting { label: case.label.clone(), value: case.label.clone(), set: case.set.clone() }
 }
 
 fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<AxisSetting> {
+    let before = faults.0.len();
     let list = match (&table.values, table.from, table.to) {
         (Some(values), None, None) if table.step.is_none() && table.count.is_none() => values.clone(),
         (None, Some(from), Some(to)) => range(i, table, from, to, faults),
         _ => Vec::new(),
     };
-    if list.is_empty() {
+    if list.is_empty() && faults.0.len() == before {
+        let found = table.values_in_words();
         let allowed = "either values = […], or from, to and one of step and count";
         let remedy = "write for example values = [100, 300]";
-        faults.add(format!("axis[{i}].values"), "no values", allowed, remedy);
+        faults.add(format!("axis[{i}].values"), found, allowed, remedy);
     }
     if let Some(labels) = table.labels.as_ref().filter(|labels| labels.len() != list.len()) {
         let found = format!("{} labels", labels.len());
@@ -127,6 +149,7 @@ fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<
 }
 
 fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -> Vec<Value> {
+    let before = faults.0.len();
     let count = match (table.step, table.count) {
         (Some(step), None) => {
             let allowed = Allowed::above(0.0, f64::MAX, "");
@@ -136,10 +159,16 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
         (None, Some(count)) => count as f64,
         _ => return Vec::new(),
     };
-    if !(to >= from && (1.0..=LONGEST_AXIS as f64).contains(&count)) {
-        let found = format!("{from} to {to}");
-        let allowed = format!("a rising range of 1 to {LONGEST_AXIS} values");
-        faults.add(format!("axis[{i}].to"), found, allowed, "raise `to` or the step");
+    let key = if table.count.is_some() { "count" } else { "step" };
+    if to.partial_cmp(&from).is_none_or(Ordering::is_lt) {
+        let allowed = format!("a number from from = {from} on");
+        faults.add(format!("axis[{i}].to"), to, allowed, "write the smaller number as from");
+    } else if !(1.0..=LONGEST_AXIS as f64).contains(&count) && faults.0.len() == before {
+        let found = format!("{} from {from} to {to}: {count} values", table.step.unwrap_or(count));
+        let allowed = format!("1 to {LONGEST_AXIS} values");
+        faults.add(format!("axis[{i}].{key}"), found, allowed, "a sweep has one study for each value");
+    }
+    if faults.0.len() > before {
         return Vec::new();
     }
     let step = table.step.unwrap_or(if count > 1.0 { (to - from) / (count - 1.0) } else { 0.0 });

@@ -42,12 +42,8 @@ impl Claim {
 pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<Claim> {
     let tables = expanded(file, axes, faults);
     for (k, (i, table)) in tables.iter().enumerate() {
-        if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
-            let field = format!("conclusion[{i}].id");
-            let found = format!("{:?} twice", table.id);
-            let remedy = "conclusions.csv and the page name them by it: give each its own";
-            faults.add(field, found, "names that differ", remedy);
-        }
+        let others = tables[..k].iter().map(|(_, earlier)| earlier.id.as_str());
+        faults.name(format!("conclusion[{i}].id"), &table.id, others, "conclusion");
     }
     tables.iter().map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
 }

@@ -27,10 +27,11 @@ pub struct Draft {
 /// All variants in the order of the axes; the last axis varies fastest.
 pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
     for (i, axis) in axes.iter().enumerate() {
-        if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
-            let found = format!("{:?} twice", axis.name);
-            let allowed = "names that differ";
-            faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
+        // one that has none is reported already
+        let is_named = file.axis[i].name.is_some() || file.axis[i].field.is_some();
+        let others = axes[..i].iter().map(|earlier| earlier.name.as_str());
+        if is_named {
+            faults.name(format!("axis[{i}].name"), &axis.name, others, "axis");
         }
         // the later would override the earlier, whose captions would be wrong
         if let Some(field) = &file.axis[i].field

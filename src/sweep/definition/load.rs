@@ -140,6 +140,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     file.title.get_or_insert_with(|| stem(path));
     let (base, base_folder) = file.base.read(path.parent().unwrap_or(Path::new("")))?;
     let mut faults = Faults::default();
+    faults.title(file.title.as_deref());
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
     let drafts = expand(&file, &base, &axes, &mut faults);

@@ -204,7 +204,7 @@ fn options_out_of_range_are_told_what_to_try() {
 #[test]
 fn what_is_no_case_is_refused_with_a_remedy() {
     let beside = json!({ "kind": "spheres3d", "inputs": good(), "wavelength": 0.6 }).to_string();
-    refuses_text("case.json", &beside, &[], &["wavelength: found given beside `inputs`", "move it"]);
+    refuses_text("case.json", &beside, &[], &["wavelength: found a key beside `inputs`", "move it"]);
     let study = "[layer]\nthickness_um = 1\n";
     refuses_text("study.toml", study, &[], &["is a study", "reads a case", "--realisation 1"]);
     let sweep = "base = \"study.toml\"\n[[axis]]\nfield = \"run.seed\"\nvalues = [1, 2]\n";

@@ -75,6 +75,14 @@ fn compositions_that_do_not_fit_are_refused() {
         ("layers = [{ plate = 'red', thickness_um = 0.7 }]", "found 0.7 µm of \"red\"; allowed 0.5"),
         ("layers = [{ plate = 'white', thickness_um = 0.6 }]", "allowed from 1 µm, two slabs"),
         ("layers = [{ plate = 'red' }]\npaper = { albedo = 1.2 }", "paper.albedo"),
+        (
+            "layers = [{ plate = 'red' }]\npaper = { albedo = [] }",
+            "paper.albedo: found an empty list; allowed two or more",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\npaper = { albedo = [[3000, 0.5], [8000, 0.6]] }",
+            "found rows from 3000 to 8000 nm; allowed two or more rows [nm, albedo], rising, from 420 to",
+        ),
         ("layers = [{ plate = 'red' }]\nilluminant = 'F99'", "F99"),
         ("layers = [{ plate = 'red' }]\ncolour = 1", "colour"),
         ("layers = [{ plate = 'red', coverage = 0.5 }]", "layers[0].coverage: found one without a screen"),

@@ -274,11 +274,11 @@ pub const INK: &[Slip] = &[
         "size = { kind = \"percentiles\", d10_nm = 120, d50_nm = 150, d90_nm = 220 }",
         ["pigment[0].size", "the log-normal law has d10 110.8", "within 5 %", "kind = \"list\""],
     ),
-    slip("diameter_nm = 200", "", ["pigment[0]", "neither", "diameter_nm or size", "diameter_nm = 250"]),
+    slip("diameter_nm = 200", "", ["pigment[0]", "none of them", "diameter_nm or size", "diameter_nm = 250"]),
     slip(
         "name = \"yellow\"",
         "name = \" \"",
-        ["pigment[0].name", "\" \"", "no other pigment", "another name"],
+        ["pigment[0].name", "\" \", a blank name", "a letter or a digit", "name the pigment"],
     ),
     slip(
         "diameter_nm = 200",
@@ -293,17 +293,17 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nshell = [{ thickness_nm = 20, index = 1.46 }]",
-        ["pigment[0].shell", "a value", "dissolved pigments", "remove shell"],
+        ["pigment[0].shell", "thickness_nm = 20", "dissolved pigments", "remove shell"],
     ),
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nagglomeration = { degree = 1.0, grains = 2 }",
-        ["pigment[0].agglomeration", "a value", "dissolved pigments", "remove agglomeration"],
+        ["pigment[0].agglomeration", "grains = 2", "dissolved pigments", "remove agglomeration"],
     ),
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nshape = \"cylinder\"",
-        ["pigment[0].shape", "a value", "dissolved pigments", "remove shape"],
+        ["pigment[0].shape", "cylinder", "dissolved pigments", "remove shape"],
     ),
     slip(
         "name = \"yellow\"",

@@ -14,7 +14,7 @@ pub const LIGHT: &[Slip] = &[
     slip(
         "[light]",
         "[paper]\nalbedo = 0.9\nmeasured = { csv = \"paper.csv\" }\n[light]",
-        ["paper.measured", "beside another one", "one source of the albedo", "remove one"],
+        ["paper.measured", "a second source of the albedo", "one source of the albedo", "remove one"],
     ),
     slip(
         "[light]",

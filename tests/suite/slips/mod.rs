@@ -1,10 +1,12 @@
 //! Slips that people make in study files, and what they must be told.
 
+mod blank;
 mod ink;
 mod light;
 mod number;
 mod stack;
 
+pub use blank::{BLANK, BLANK_IN_STACKS};
 pub use ink::{INK, K};
 pub use light::LIGHT;
 pub use number::NUMBER;

@@ -54,6 +54,6 @@ pub const NUMBER: &[Slip] = &[
     slip(
         END,
         "[[number]]\nname = \"\"\nof = \"albedo\"\nweights = \"iso_visual\"",
-        ["number[0].name", "\"\"", "names that differ", "give each its own"],
+        ["number[0].name", "\"\", a blank name", "a name with a letter or a digit", "name the number"],
     ),
 ];

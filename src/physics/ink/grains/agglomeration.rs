@@ -58,6 +58,19 @@ pub enum GrainCount {
     List(CountList),
 }
 
+impl GrainCount {
+    /// The numbers as a file writes them.
+    fn in_words(&self) -> String {
+        match self {
+            Self::Constant(n) => n.to_string(),
+            Self::Uniform(Range { from, to }) => format!("from {from} to {to}"),
+            Self::List(CountList { values, weights }) => {
+                format!("values {values:?} with weights {weights:?}")
+            }
+        }
+    }
+}
+
 /// Whole numbers from `from` to `to`, both included.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -99,7 +112,7 @@ impl Agglomeration {
                 fit && are_weights(weights)
             }
         };
-        let wrong = (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed));
+        let wrong = (!sound).then(|| ("agglomeration.grains", self.grains.in_words(), allowed));
         wrong.or_else(|| self.fractal?.defect())
     }
 

@@ -72,7 +72,7 @@ impl Setting {
 }
 
 /// Largest phase k̄h of a cell with contrast: beyond it the moments no longer resolve the wave.
-const PHASE_LIMIT: f64 = 2.9;
+pub const PHASE_LIMIT: f64 = 2.9;
 
 /// Choice of ⟨k²⟩. It belongs to the discretisation: all strategies for a problem share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -15,6 +15,7 @@ use super::level::KeptPortion;
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::ordinates::Ordinates;
 use crate::input::study::Position;
+use crate::numerics::allowed::brief;
 use crate::store::identity::METHOD_VERSION;
 use crate::wave::Wave;
 use gathering::lights;
@@ -337,12 +338,13 @@ impl LibraryPlate {
     pub fn count(&self, thickness_um: Option<f64>) -> Result<f64, String> {
         let own_um = self.thickness_um;
         let name = &self.name;
+        let [shown_um, least_um, most_um] = [own_um, 2.0 * own_um, MOST_SLABS * own_um].map(brief);
         match thickness_um {
             None => Ok(if self.slabs { 2.0 } else { 1.0 }),
             Some(um) if !self.slabs => {
                 let is_own = (um - own_um).abs() <= 1e-6 * own_um;
                 let words = format!(
-                    "thickness_um: found {um} µm of {name:?}; allowed {own_um}, as which it was solved whole: take another plate of \
+                    "thickness_um: found {um} µm of {name:?}; allowed {shown_um}, as which it was solved whole: take another plate of \
                      the ink, or solve it in slabs"
                 );
                 is_own.then_some(1.0).ok_or(words)
@@ -351,9 +353,7 @@ impl LibraryPlate {
                 let count = um / own_um;
                 let whole = if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count };
                 let words = format!(
-                    "thickness_um: found {um} µm of {name:?}; allowed from {} µm, two slabs, to {} µm",
-                    2.0 * own_um,
-                    MOST_SLABS * own_um
+                    "thickness_um: found {um} µm of {name:?}; allowed from {least_um} µm, two slabs, to {most_um} µm"
                 );
                 (2.0..=MOST_SLABS).contains(&whole).then_some(whole).ok_or(words)
             }

@@ -75,8 +75,11 @@ impl LayerTable {
         wave_faults: &mut Faults,
     ) -> Layer {
         let mean_um = cell.thickness_um;
-        let remedy = "a printed layer is about 1 µm thick";
-        faults.number("layer.thickness_um", mean_um, limits::THICKNESS_UM, remedy);
+        // an empty list is reported as one
+        if !self.thickness_um.all().is_empty() {
+            let remedy = "a printed layer is about 1 µm thick";
+            faults.number("layer.thickness_um", mean_um, limits::THICKNESS_UM, remedy);
+        }
         if mean_um > 0.0 {
             let allowed = Allowed::between(0.0, mean_um / (THICKNESS_CUT + 1.0), "µm");
             let remedy = "a tenth of the mean is usual; at most a quarter of it keeps every layer thicker than nothing";

@@ -2,10 +2,12 @@
 
 use super::light::check_list;
 use crate::appearance::viewing::Viewing;
+use crate::input::fault::EMPTY_LIST;
 use crate::input::file::LayerTable;
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, Study, StudyKind};
-use crate::input::{Faults, LightRule, StudyFile, limits};
+use crate::input::{Faults, LightRule, StudyFile, as_written, limits};
+use crate::numerics::allowed::{brief, shown};
 
 /// Realisations below which a jackknife says little.
 const USABLE: usize = 8;
@@ -14,15 +16,17 @@ impl LayerTable {
     /// The slabs of a layer that is declared composed.
     pub(super) fn composed(&self, faults: &mut Faults) -> Option<Composed> {
         let Some(table) = &self.composed else {
-            if matches!(self.thickness_um, ThicknessWritten::Several(_)) {
+            if let ThicknessWritten::Several(all) = &self.thickness_um {
+                let found = if all.is_empty() { EMPTY_LIST } else { "a list" };
                 let remedy = "add [layer.composed], or give one thickness";
-                faults.add("layer.thickness_um", "a list", "one thickness, µm", remedy);
+                faults.add("layer.thickness_um", found, "one thickness, µm", remedy);
             }
             return None;
         };
         let thicknesses_um = self.thickness_um.all();
         let remedy = "paints are 10 to 100 µm thick";
         check_list("layer.thickness_um", &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
+        let &first_um = thicknesses_um.first()?;
         if self.thickness_um.std() > 0.0 {
             let remedy = "give a list of thicknesses, or remove [layer.composed]";
             let found = self.thickness_um.std();
@@ -38,9 +42,9 @@ impl LayerTable {
             let remedy = "write the layer as [[layer]] and the key below [stack.composed]: plates of a library are layers of a stack";
             faults.add("layer.composed.joint_index", index, "nothing in a layer that is alone", remedy);
         }
-        let first_um = thicknesses_um.first().copied().unwrap_or(f64::NAN);
-        if table.slab_um > 0.5 * first_um * (1.0 + 1e-9) {
-            let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first_um);
+        if table.slab_um > 0.5 * first_um * (1.0 + limits::ROUNDED) {
+            let half_um = brief(0.5 * first_um);
+            let allowed = format!("at most {half_um} µm, half of the thinnest layer: two slabs");
             let remedy = "take thinner slabs, or remove [layer.composed]: so thin a layer is solved at once";
             faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
         }
@@ -79,34 +83,38 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
 
 /// Refuses what studies of slabs do not have: `what` is composed, by this table.
 pub(super) fn refuse_beside_slabs(file: &StudyFile, what: &str, table: &str, faults: &mut Faults) {
-    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
-        if there {
-            faults.add(field, "given", format!("{allowed} where {what} is composed"), remedy);
+    let mut refuse = |found: Option<String>, field: &str, allowed: &str, remedy: &str| {
+        if let Some(found) = found {
+            faults.add(field, found, format!("{allowed} where {what} is composed"), remedy);
         }
     };
-    let angles = file.angles.count.is_some() || file.angles.polar_deg.is_some();
     let remedy = format!("remove angles.count and angles.polar_deg; {table}.directions sets them");
-    refuse(angles, "angles", "directions of its own", &remedy);
+    let own = "directions of its own";
+    refuse(file.angles.count.as_ref().map(as_written), "angles.count", own, &remedy);
+    refuse(file.angles.polar_deg.as_ref().map(as_written), "angles.polar_deg", own, &remedy);
     let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
-    refuse(file.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
+    let drawn = file.light.per_realisation.as_ref().map(as_written);
+    refuse(drawn, "light.per_realisation", "listed wavelengths", shifted);
     let aim = "remove it and set run.realisations; 12 to 24 are usual";
-    refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
+    let target = file.run.target_delta_e.map(shown);
+    refuse(target, "run.target_delta_e", "a number of realisations", aim);
     let measured = "remove [compare]: compare the spectra of results.json";
-    refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    refuse(file.compare.measured.as_ref().map(as_written), "compare.measured", "no measurement", measured);
 }
 
 /// What composing does not do.
 pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
-    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
-        if there {
-            faults.add(field, "given", format!("{allowed} where it is composed"), remedy);
-        }
-    };
-    let relief = "remove [layer.relief]: inner slabs have no surface, and skins need a plane one yet";
-    refuse(file.layer.relief.is_some(), "layer.relief", "a plane surface", relief);
-    let gradient = "remove it: slabs are cut from one packing without a gradient";
-    let has_profile = file.pigments.iter().any(|pigment| pigment.profile.is_some());
-    refuse(has_profile, "pigment.profile", "even layers", gradient);
+    if let Some(relief) = &file.layer.relief {
+        let remedy = "remove [layer.relief]: inner slabs have no surface, and skins need a plane one yet";
+        let allowed = "a plane surface where it is composed";
+        faults.add("layer.relief", as_written(relief), allowed, remedy);
+    }
+    for (k, pigment) in file.pigments.iter().enumerate() {
+        let Some(profile) = &pigment.profile else { continue };
+        let remedy = "remove it: slabs are cut from one packing without a gradient";
+        let allowed = "even layers where it is composed";
+        faults.add(format!("pigment[{k}].profile"), as_written(profile), allowed, remedy);
+    }
     refuse_beside_slabs(file, "it", "layer.composed", faults);
     let thinnest =
         study.wavelengths_nm.iter().map(|nm| study.embedding_index(1e-3 * nm)).fold(f64::INFINITY, f64::min);
@@ -255,7 +263,7 @@ mod tests {
             ("thickness_um = [8, 4]", composed, "", "layer.thickness_um[1]"),
             ("thickness_um = { mean = 8, std = 1 }", composed, "", "layer.thickness_um.std"),
             ("thickness_um = 8\nrelief = { depth_um = 0.1 }", composed, "", "layer.relief"),
-            ("thickness_um = 8", composed, "[angles]\ncount = 5", "angles"),
+            ("thickness_um = 8", composed, "[angles]\ncount = 5", "angles.count"),
             ("thickness_um = 8\nindex_in = 1.2", composed, "", "layer.index_in"),
             ("thickness_um = 8", composed, "[run]\nrealisations = 1", "run.realisations"),
             ("thickness_um = 8", "[layer.composed]\nslab_um = 0.4", "", "pigment[0].diameter_nm"),

@@ -5,9 +5,8 @@ use crate::appearance::halftone::{demichel, mean_spread_share, physical_coverage
 use crate::appearance::paper_series::{AreaOptics, LayerOptics};
 use crate::input::file::{AreaBears, AreaTable, DotsTable, InkTable, PatchRule, RESULTS, StudyFile};
 use crate::input::study::{Dots, MixedAreas, MixedPrint};
-use crate::input::{Allowed, Faults, limits};
+use crate::input::{Allowed, Faults, as_written, limits};
 use crate::wave::Wave;
-use std::path::Path;
 
 /// Rounding of coverages that add up to 1.
 const SLACK: f64 = 1e-6;
@@ -140,7 +139,7 @@ impl DotsReader<'_, '_> {
                 let allowed = "nothing beside results, whose layer the area bears";
                 self.faults.add(format!("area[{i}].bears"), "\"paper\"", allowed, "remove one of them");
             }
-            match self.layer(&self.tables.folder.join(folder).join(RESULTS)) {
+            match self.layer(folder) {
                 Ok(layer) => layers.push(layer),
                 Err([found, allowed, remedy]) => self.faults.add(field, found, allowed, remedy),
             }
@@ -151,7 +150,7 @@ impl DotsReader<'_, '_> {
 
     /// The layer of a results file at this study's wavelengths, or what is found, allowed and to
     /// be done.
-    fn layer(&self, path: &Path) -> Result<LayerOptics, [String; 3]> {
+    fn layer(&self, folder: &str) -> Result<LayerOptics, [String; 3]> {
         #[derive(serde::Deserialize)]
         struct Solved {
             #[serde(default)]
@@ -162,12 +161,13 @@ impl DotsReader<'_, '_> {
             study: Solved,
             optics: Option<LayerOptics>,
         }
+        let path = self.tables.folder.join(folder).join(RESULTS);
         let allowed = "a folder of results of a study on paper";
         let refused = |found: String| {
             [found, allowed.to_owned(), "run that study first: inkwave run STUDY.toml".to_owned()]
         };
-        let text =
-            std::fs::read_to_string(path).map_err(|error| refused(format!("{}: {error}", path.display())))?;
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| refused(format!("{}: {error}", path.display())))?;
         let results: Results = serde_json::from_str(&text)
             .map_err(|error| refused(format!("{}, which is no results file: {error}", path.display())))?;
         let Some(layer) = results.optics else {
@@ -205,13 +205,15 @@ impl DotsReader<'_, '_> {
     fn kinds_of_overprints(&mut self) -> Option<Vec<Option<usize>>> {
         let inks = &self.file.inks;
         let before = self.faults.0.len();
-        let allowed = format!("1 to {MOST_INKS} inks with names of their own");
-        let mut names: Vec<&str> = inks.iter().map(|ink| ink.name.as_str()).collect();
-        names.sort_unstable();
-        names.dedup();
-        if inks.len() > MOST_INKS || names.len() < inks.len() {
-            let found = format!("{} inks, {} names", inks.len(), names.len());
-            self.faults.add("ink", found, allowed, "remove or rename one");
+        let allowed = format!("1 to {MOST_INKS} inks");
+        let names: Vec<&str> = inks.iter().map(|ink| ink.name.as_str()).collect();
+        if inks.len() > MOST_INKS {
+            self.faults.add("ink", format!("{} inks", inks.len()), allowed, "remove some of them");
+        }
+        for (i, name) in names.iter().enumerate() {
+            self.faults.name(format!("ink[{i}].name"), name, names[..i].iter().copied(), "ink");
+        }
+        if self.faults.0.len() > before {
             return None;
         }
         let mut kinds: Vec<Option<Option<usize>>> = vec![None; 1 << inks.len()];
@@ -226,10 +228,15 @@ impl DotsReader<'_, '_> {
                 (None, AreaBears::Paper) => None,
                 (None, AreaBears::Layer) => Some(0),
             };
-            if area.coverage.is_some() {
+            if let Some(coverage) = &area.coverage {
                 let allowed = "nothing where [[ink]] has the coverages";
                 let field = format!("area[{i}].coverage");
-                self.faults.add(field, "a value", allowed, "remove it, and write inks = [\"cyan\"]");
+                self.faults.add(
+                    field,
+                    as_written(coverage),
+                    allowed,
+                    "remove it, and write inks = [\"cyan\"]",
+                );
             }
             let mut set = 0;
             for (place, name) in area.inks.iter().enumerate() {
@@ -273,12 +280,9 @@ impl DotsReader<'_, '_> {
         for (i, list) in lists.iter().enumerate() {
             let field = format!("ink[{i}].coverage");
             list.iter().for_each(|c| self.faults.number(&field, *c, limits::SHARE, "0.5 covers half"));
-            let other = patches == PatchRule::Each && list.len() != lists[0].len();
-            if other || list.is_empty() {
-                let allowed = format!("{} entries, as in ink[0]", lists[0].len().max(1));
-                let remedy = "give one coverage for each print, or dots.patches = \"grid\"";
-                self.faults.add(&field, format!("{} entries", list.len()), allowed, remedy);
-            }
+            let count = if patches == PatchRule::Each { lists[0].len() } else { list.len() };
+            let remedy = "give one coverage for each print, or dots.patches = \"grid\"";
+            self.check_length(&field, list, (count, "ink[0]"), remedy);
         }
         let count = match patches {
             PatchRule::Each => lists[0].len(),
@@ -328,11 +332,7 @@ impl DotsReader<'_, '_> {
         let count = lists[0].len();
         for (i, list) in lists.iter().enumerate() {
             let field = format!("area[{i}].coverage");
-            if list.len() != count || list.is_empty() {
-                let allowed = format!("{} entries, as in area[0]", count.max(1));
-                let remedy = "give one coverage for each tint";
-                self.faults.add(&field, format!("{} entries", list.len()), allowed, remedy);
-            }
+            self.check_length(&field, list, (count, "area[0]"), "give one coverage for each tint");
             list.iter().for_each(|c| {
                 self.faults.number(&field, *c, limits::SHARE, "0.5 covers half of the area");
             });
@@ -367,6 +367,17 @@ impl DotsReader<'_, '_> {
             all.push(inked);
         }
         Some(all)
+    }
+
+    /// Reports coverages that are none, or not as many as those of the first.
+    fn check_length(&mut self, field: &str, list: &[f64], (count, first): (usize, &str), remedy: &str) {
+        if list.is_empty() {
+            let allowed = "a share of the area from 0 to 1, or a list with one or more of them";
+            self.faults.empty(field, allowed, "write coverage = [0.25, 0.5, 0.75]");
+        } else if list.len() != count {
+            let allowed = format!("{count} entries, as in {first}");
+            self.faults.add(field, format!("{} entries", list.len()), allowed, remedy);
+        }
     }
 
     /// A number of the screen, which dots need.

@@ -8,7 +8,7 @@ use crate::ink::{Measure, PigmentGrains, SizeDistribution};
 use crate::input::file::PigmentTable;
 use crate::input::forms::Diameter;
 use crate::input::variation::AREA;
-use crate::input::{CellRule, Faults, limits};
+use crate::input::{CellRule, Faults, keys_in_words, limits};
 
 /// Maximum area of a cell that is enlarged to hold a grain: sides of 1000 µm are the largest
 /// allowed.
@@ -54,7 +54,8 @@ impl NumberedPigment<'_> {
         let size = self.table.written_size().unwrap_or_else(|| {
             let remedy = "write diameter_nm = 250 for grains that are all alike";
             let field = format!("pigment[{}]", self.number);
-            faults.add(field, "both or neither", "either diameter_nm or size", remedy);
+            let found = keys_in_words(self.table, &["diameter_nm", "size"]);
+            faults.add(field, found, "either diameter_nm or size", remedy);
             SizeDistribution::diameter_nm(1e-3)
         });
         self.table.grains_of(size)

@@ -7,6 +7,7 @@ use crate::input::file::{ColourTable, CompareTable};
 use crate::input::measured::{MeasuredColour, MeasuredContent, MeasuredReading, MeasuredRequest};
 use crate::input::study::{Judgement, Paper};
 use crate::input::{Fault, Faults, limits};
+use crate::material::columns::in_other_unit;
 
 /// `[colour]`, checked.
 pub(super) struct PrintTarget {
@@ -113,7 +114,9 @@ impl CompareTable {
                     let [low, high] = measured.range_nm();
                     let found = format!("{} with values from {low} to {high} nm", measured.source);
                     let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
-                    faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
+                    let other = in_other_unit([low, high], request.used_nm);
+                    let remedy = other.unwrap_or_else(|| "measure it at wavelengths of [light]".to_owned());
+                    faults.add("compare.measured", found, allowed, remedy);
                 }
                 judgement.measured = Some(measured);
             }

@@ -6,7 +6,8 @@ use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter, TABLE_RANGE_N
 use crate::input::file::{LightTable, PigmentTable, SamplingName};
 use crate::input::limits::{self, LONGEST_LIST, LONGEST_WAVE_NM};
 use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
-use crate::numerics::allowed::shown;
+use crate::material::columns::micrometres;
+use crate::numerics::allowed::{brief, shown};
 use crate::solve::SolverChoice;
 use num_complex::Complex64;
 
@@ -36,7 +37,10 @@ impl LightTable {
     fn list_or_range_nm(&self, faults: &mut Faults) -> Vec<f64> {
         match (&self.wavelengths_nm, self.from_nm, self.to_nm, self.step_nm) {
             (Some(list), None, None, None) => {
-                let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
+                let remedy = match micrometres(list.iter().copied()) {
+                    Some(_) => "these look like µm: write them in nm, times 1000",
+                    None => "give vacuum wavelengths in nm, 400 to 700 for the visible",
+                };
                 check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
                 list.clone()
             }
@@ -80,8 +84,9 @@ impl LightTable {
         let step = self.step_nm?;
         let last = wavelengths_nm.last()?;
         let count = wavelengths_nm.len() - 1;
+        let last_nm = brief(*last);
         let remark = format!(
-            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last_nm} nm (n = {count}); \
              choose a step that divides the range to reach {to} nm"
         );
         (*last < to - 1e-6 * step).then_some(remark)
@@ -139,9 +144,11 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
 
 /// Checks that a list has entries, all allowed and increasing.
 pub(super) fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
-    if list.is_empty() || list.len() > LONGEST_LIST {
-        let found = format!("{} entries", list.len());
-        faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
+    let entries = format!("1 to {LONGEST_LIST} entries, each {allowed}");
+    if list.is_empty() {
+        faults.empty(field, entries, remedy);
+    } else if list.len() > LONGEST_LIST {
+        faults.add(field, format!("{} entries", list.len()), entries, remedy);
     }
     if let Some(i) = list.iter().position(|&value| !allowed.holds(value)) {
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);

@@ -9,7 +9,8 @@ use crate::ink::{Grain, Measure, Shape, SizeDistribution, Sphere, VoxelCut};
 use crate::input::file::{MicrostructureTable, PigmentTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
-use crate::input::{CellRule, Fault, Faults, keys_in_words, limits};
+use crate::input::{CellRule, Fault, Faults, as_written, keys_in_words, limits};
+use crate::numerics::allowed::shown;
 use crate::numerics::vector::V3;
 use contacts::{ContactRule, Contacts};
 use std::collections::HashMap;
@@ -217,38 +218,40 @@ const FORMATS: &str = "give CSV with x_um, y_um, z_um and radius_um or diameter_
 
 /// Reports what has no meaning beside given grains.
 fn check_beside(file: &StudyFile, table: &MicrostructureTable, faults: &mut Faults) {
-    let mut refuse = |is_given: bool, field: String| {
-        if is_given {
+    let mut refuse = |found: Option<String>, field: String| {
+        if let Some(found) = found {
             let allowed = "nothing beside layer.microstructure, whose grains are placed";
-            faults.add(field, "a value", allowed, "remove it");
+            faults.add(field, found, allowed, "remove it");
         }
     };
     let has_voxels = table.voxels.is_some();
     let keys_of_files = [
-        ("unit", has_voxels && table.unit.is_some()),
-        ("size", has_voxels && table.size.is_some()),
-        ("overlap_um", has_voxels && table.overlap_um.is_some()),
-        ("voxel_nm", !has_voxels && table.voxel_nm.is_some()),
-        ("labels", !has_voxels && table.labels.is_some()),
-        ("continuation", !has_voxels && table.continuation.is_some()),
-        ("cuts", !has_voxels && table.cuts.is_some()),
+        ("unit", table.unit.as_ref().filter(|_| has_voxels).map(as_written)),
+        ("size", table.size.as_ref().filter(|_| has_voxels).map(as_written)),
+        ("overlap_um", table.overlap_um.as_ref().filter(|_| has_voxels).map(as_written)),
+        ("voxel_nm", table.voxel_nm.as_ref().filter(|_| !has_voxels).map(as_written)),
+        ("labels", table.labels.as_ref().filter(|_| !has_voxels).map(as_written)),
+        ("continuation", table.continuation.as_ref().filter(|_| !has_voxels).map(as_written)),
+        ("cuts", table.cuts.as_ref().filter(|_| !has_voxels).map(as_written)),
     ];
-    for (key, is_given) in keys_of_files {
-        refuse(is_given, format!("{FIELD}.{key}"));
+    for (key, found) in keys_of_files {
+        refuse(found, format!("{FIELD}.{key}"));
     }
-    refuse(file.layer.composed.is_some(), "layer.composed".to_owned());
-    refuse(file.layer.relief.is_some(), "layer.relief".to_owned());
-    refuse(file.layer.thickness_um.std() > 0.0, "layer.thickness_um.std".to_owned());
+    refuse(file.layer.composed.as_ref().map(as_written), "layer.composed".to_owned());
+    refuse(file.layer.relief.as_ref().map(as_written), "layer.relief".to_owned());
+    let std_um = Some(file.layer.thickness_um.std()).filter(|std_um| *std_um > 0.0);
+    refuse(std_um.map(shown), "layer.thickness_um.std".to_owned());
     for pigment in packed(&file.pigments) {
         let PigmentTable { volume_fraction, diameter_nm, size, agglomeration, shell, shape, profile, .. } =
             pigment.table;
-        refuse(profile.is_some(), pigment.field("profile"));
-        refuse(volume_fraction.is_some(), pigment.field("volume_fraction"));
-        refuse(diameter_nm.is_some(), pigment.field("diameter_nm"));
-        refuse(size.is_some(), pigment.field("size"));
-        refuse(agglomeration.is_some(), pigment.field("agglomeration"));
-        refuse(has_voxels && !shell.is_empty(), pigment.field("shell"));
-        refuse(has_voxels && *shape != Shape::default(), pigment.field("shape"));
+        refuse(profile.as_ref().map(as_written), pigment.field("profile"));
+        refuse(volume_fraction.as_ref().map(as_written), pigment.field("volume_fraction"));
+        refuse(diameter_nm.as_ref().map(as_written), pigment.field("diameter_nm"));
+        refuse(size.as_ref().map(as_written), pigment.field("size"));
+        refuse(agglomeration.as_ref().map(as_written), pigment.field("agglomeration"));
+        refuse((has_voxels && !shell.is_empty()).then(|| as_written(shell)), pigment.field("shell"));
+        let shape = Some(shape).filter(|shape| has_voxels && **shape != Shape::default());
+        refuse(shape.map(as_written), pigment.field("shape"));
     }
 }
 

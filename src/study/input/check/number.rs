@@ -3,8 +3,8 @@
 use crate::appearance::weighted::{NumberTransform, WeightTable, WeightedSum, weight_names};
 use crate::input::file::{NumberTable, WeightsWritten};
 use crate::input::study::{Study, WantedNumber, WantedWeights};
-use crate::input::{Faults, limits};
-use crate::material::columns::Columns;
+use crate::input::{Faults, as_written, limits};
+use crate::material::columns::{Columns, in_other_unit};
 use std::path::Path;
 
 /// Largest share of the weights that may lie beyond the wavelengths, where the spectrum is
@@ -26,10 +26,8 @@ pub(super) fn checked(
     let mut remarks = Vec::new();
     for (i, table) in written.iter().enumerate() {
         let field = format!("number[{i}]");
-        if table.name.trim().is_empty() || written[..i].iter().any(|other| other.name == table.name) {
-            let remedy = "results and tables name numbers by it: give each its own";
-            faults.add(format!("{field}.name"), format!("{:?}", table.name), "names that differ", remedy);
-        }
+        let others = written[..i].iter().map(|other| other.name.as_str());
+        faults.name(format!("{field}.name"), &table.name, others, "number");
         let Some(weights) = weights(&field, &table.weights, folder, faults) else { continue };
         let Some(number) = ranged(&field, table, weights, faults) else { continue };
         check_transform(&field, &number, faults);
@@ -170,9 +168,14 @@ fn check_transform(field: &str, number: &WantedNumber, faults: &mut Faults) {
         let found = format!("{:?} with transform = {name:?}", number.weights.source());
         wrong("weights", found, allowed, "write weights = \"D65/10\"");
     }
-    if number.over.is_some() {
+    if let Some(over) = number.over {
         let remedy = "leave it out, or take transform = \"mean\"";
-        wrong("over", format!("given with transform = {name:?}"), "transforms of a single mean", remedy);
+        wrong(
+            "over",
+            format!("{} with transform = {name:?}", as_written(&over)),
+            "transforms of a single mean",
+            remedy,
+        );
     }
     let [first, last] = number.weights.tables().map_or(number.range_nm, |named| named.tables[0].range_nm());
     if number.range_nm != [first, last] {
@@ -231,8 +234,9 @@ fn check_wavelengths(
             100.0 * outside
         );
         let allowed = format!("at most {:.0} % beyond them", 100.0 * MOST_OUTSIDE);
-        let remedy = "widen light.from_nm and light.to_nm, or count a part of the weights: from_nm and to_nm beside them";
-        wrong(found, allowed, remedy);
+        let usual = "widen light.from_nm and light.to_nm, or count a part of the weights: from_nm and to_nm beside them";
+        let remedy = in_other_unit([from, to], [first, last]).unwrap_or_else(|| usual.to_owned());
+        wrong(found, allowed, &remedy);
         return None;
     }
     let words = format!(

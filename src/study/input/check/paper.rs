@@ -12,7 +12,7 @@ use crate::input::measured::{
 };
 use crate::input::study::{Angles, Paper, StudyKind};
 use crate::input::{Faults, limits};
-use crate::material::columns::micrometres;
+use crate::material::columns::{in_other_unit, micrometres};
 use std::path::Path;
 
 pub(super) const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
@@ -35,7 +35,7 @@ impl PaperTable {
         if let Some(both) = self.more_than_one() {
             let allowed =
                 "one source of the albedo: paper.albedo, paper.measured, or a pair m1_csv and m2_csv";
-            reader.faults.add(both, "given beside another one", allowed, "remove one of them");
+            reader.faults.add(both, "a second source of the albedo", allowed, "remove one of them");
         }
         if let Some(pair @ FluorescenceWritten::Pair { .. }) = &self.fluorescence {
             return reader.of_pair(pair);
@@ -167,7 +167,10 @@ pub(super) fn spectral(
     faults: &mut Faults,
 ) -> Albedo {
     let albedo = Albedo::Spectral(rows.clone());
-    if let Some(i) = rows.iter().position(|row| !limits::ALBEDO.holds(row[1])) {
+    if rows.is_empty() {
+        let allowed = "two or more rows [wavelength in nm, albedo]";
+        faults.empty(field, allowed, "write for example albedo = [[400, 0.8], [700, 0.9]], or albedo = 0.9");
+    } else if let Some(i) = rows.iter().position(|row| !limits::ALBEDO.holds(row[1])) {
         let found = format!("{} at {} nm", rows[i][1], rows[i][0]);
         faults.add(format!("{field}[{i}]"), found, format!("albedos {}", limits::ALBEDO), REMEDY);
     } else if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
@@ -176,7 +179,11 @@ pub(super) fn spectral(
     } else if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
         let allowed = "two or more rows [wavelength in nm, albedo], rising, that cover [light]";
         let rises = rows.len() > 1 && rows.is_sorted_by(|one, next| one[0] < next[0]);
-        let remedy = match rises {
+        let other_unit = in_other_unit(
+            [rows.first(), rows.last()].map(|row| row.map_or(0.0, |row| row[0])),
+            range(wavelengths_nm),
+        );
+        let usual = match rises {
             false => {
                 "sort the rows by wavelength, each once; one albedo for all wavelengths is a number, albedo = 0.9"
             }
@@ -184,6 +191,7 @@ pub(super) fn spectral(
                 "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it"
             }
         };
+        let remedy = other_unit.filter(|_| rises).unwrap_or_else(|| usual.to_owned());
         faults.add(field, error, allowed, remedy);
     }
     albedo

@@ -6,7 +6,7 @@ use crate::ink::{Orientation, PackError, PackingRequest, PigmentGrains, Shape};
 use crate::input::file::{MicrostructureTable, PigmentTable};
 use crate::input::forms::Diameter;
 use crate::input::study::{Dissolved, Layer, Pigment};
-use crate::input::{Fault, Faults, StudyFile, limits};
+use crate::input::{Fault, Faults, StudyFile, as_written, limits};
 use crate::material::mixing::MixingRule;
 use crate::numerics::vector::norm;
 use num_complex::Complex64;
@@ -48,18 +48,20 @@ impl NumberedPigment<'_> {
     /// Reports keys of grains beside `"molecular"`.
     fn check_dissolved(&self, faults: &mut Faults) {
         self.check_fraction(faults);
+        let NumberedPigment { table, .. } = self;
+        let shape = Some(&table.shape).filter(|shape| **shape != Shape::default());
         let keys_of_grains = [
-            ("shell", !self.table.shell.is_empty()),
-            ("agglomeration", self.table.agglomeration.is_some()),
-            ("shape", self.table.shape != Shape::default()),
-            ("profile", self.table.profile.is_some()),
-            ("optic_axis", self.table.optic_axis.is_some()),
+            ("shell", (!table.shell.is_empty()).then(|| as_written(&table.shell))),
+            ("agglomeration", table.agglomeration.as_ref().map(as_written)),
+            ("shape", shape.map(as_written)),
+            ("profile", table.profile.as_ref().map(as_written)),
+            ("optic_axis", table.optic_axis.as_ref().map(as_written)),
         ];
-        for (key, is_given) in keys_of_grains {
-            if is_given {
+        for (key, found) in keys_of_grains {
+            if let Some(found) = found {
                 let allowed = "nothing of grains: dissolved pigments have none";
                 let remedy = format!("give diameter_nm in nm, or remove {key}");
-                faults.add(self.field(key), "a value", allowed, remedy);
+                faults.add(self.field(key), found, allowed, remedy);
             }
         }
     }
@@ -111,9 +113,9 @@ pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
     for (number, table) in file.pigments.iter_mut().enumerate() {
         let Some(rows) = &table.profile else { continue };
         let field = |key: &str| format!("pigment[{number}].{key}");
-        if table.volume_fraction.is_some() {
+        if let Some(share) = table.volume_fraction {
             let allowed = "nothing beside profile, whose mean is the volume fraction";
-            faults.add(field("volume_fraction"), "a value", allowed, "remove one of them");
+            faults.add(field("volume_fraction"), share, allowed, "remove one of them");
         }
         if equilibrated {
             let allowed = "no profile where grains are equilibrated: they would mix";
@@ -122,8 +124,13 @@ pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
         let area = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
         // rows that do not rise are reported with the request for the packing
         let is_rising = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        let mean = if is_rising { rows.windows(2).map(area).sum() } else { PLACEHOLDER_SHARE };
+        let is_list = rows.len() > 1;
+        let mean = if is_list && is_rising { rows.windows(2).map(area).sum() } else { PLACEHOLDER_SHARE };
         table.volume_fraction = Some(mean);
+        if rows.is_empty() {
+            let remedy = "write for example profile = [[0, 0.1], [1, 0.3]], or volume_fraction";
+            faults.empty(field("profile"), "two or more rows [depth, share]", remedy);
+        }
         let is_wrong = |row: &&[f64; 2]| row[1] != 0.0 && !limits::VOLUME_FRACTION.holds(row[1]);
         if let Some([_, share]) = rows.iter().find(is_wrong) {
             let allowed = format!("shares {} or 0", limits::VOLUME_FRACTION);
@@ -250,14 +257,10 @@ pub(super) fn packing_fault(request: &PackingRequest) -> Option<Fault> {
 }
 
 fn check_names(pigments: &[PigmentTable], faults: &mut Faults) {
-    let mut names: Vec<String> = Vec::new();
-    for pigment in numbered(pigments) {
-        let name = pigment.name();
-        if names.contains(&name) || name.trim().is_empty() {
-            let allowed = "a name that no other pigment has";
-            faults.add(pigment.field("name"), format!("{name:?}"), allowed, "give it another name");
-        }
-        names.push(name);
+    let names: Vec<String> = numbered(pigments).map(|pigment| pigment.name()).collect();
+    for (pigment, name) in numbered(pigments).zip(&names) {
+        let others = names[..pigment.number].iter().map(String::as_str);
+        faults.name(pigment.field("name"), name, others, "pigment");
     }
 }
 

@@ -7,6 +7,7 @@ use crate::input::file::{LayerTable, StackLayerTable, StackTable};
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::study::{Pigment, StackLayer, Study};
 use crate::input::{CellRule, Fault, Faults, StudyFile, limits};
+use crate::numerics::allowed::brief;
 use std::path::Path;
 
 /// Most layers of a stack.
@@ -126,8 +127,10 @@ fn of_layer_alone(
     let mut file = StudyFile { stack: None, ..written.clone() };
     file.layer = LayerTable::of_stack(layer, common);
     file.pigments = layer.pigments.clone();
-    if let (Some(_), ThicknessWritten::Several(all)) = (&common.composed, &layer.thickness_um) {
-        file.layer.thickness_um = ThicknessWritten::Even(all.first().copied().unwrap_or(f64::NAN));
+    if let (Some(_), ThicknessWritten::Several(all)) = (&common.composed, &layer.thickness_um)
+        && let Some(&first_um) = all.first()
+    {
+        file.layer.thickness_um = ThicknessWritten::Even(first_um);
     }
     examine_layer(&file, folder, name)
 }
@@ -177,14 +180,12 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
     }
     if !written.pigments.is_empty() {
         let remedy = "write [[layer.pigment]] below the [[layer]] that holds it";
-        faults.add("pigment", "given beside [[layer]]", "pigments of the layers of a stack", remedy);
+        faults.add("pigment", "pigments beside [[layer]]", "pigments of the layers of a stack", remedy);
     }
     let names: Vec<String> = (0..layers.len()).map(|i| name_of(layers, i)).collect();
     for (i, name) in names.iter().enumerate() {
-        if names[..i].contains(name) || name.trim().is_empty() {
-            let allowed = "a name that no other layer has";
-            faults.add(format!("layer[{i}].name"), format!("{name:?}"), allowed, "give it another name");
-        }
+        let others = names[..i].iter().map(String::as_str);
+        faults.name(format!("layer[{i}].name"), name, others, "layer");
     }
     check_joints(layers, faults);
     check_faces(layers, faults);
@@ -287,16 +288,18 @@ fn check_thickness(parts: &[Examined], faults: &mut Faults) {
         let allowed = format!("a sum over all layers {limit}: a stack with grains is solved whole");
         let remedy =
             "take thinner layers; or compose the layers: add [stack.composed], with slab_um for thick ones";
-        faults.add(format!("layer[{i}].thickness_um"), format!("{sum_um} µm in all"), allowed, remedy);
+        let found = format!("{} µm in all", brief(sum_um));
+        faults.add(format!("layer[{i}].thickness_um"), found, allowed, remedy);
     }
 }
 
 /// Slabs and lists of thicknesses are for stacks that are composed.
 fn check_slabs(layers: &[StackLayerTable], faults: &mut Faults) {
-    for (i, layer) in layers.iter().enumerate().filter(|(_, layer)| layer.slab_um.is_some()) {
+    for (i, layer) in layers.iter().enumerate() {
+        let Some(um) = layer.slab_um else { continue };
         let allowed = "nothing where the stack is solved whole";
         let remedy = "add [stack.composed], or remove it";
-        faults.add(format!("layer[{i}].slab_um"), layer.slab_um.unwrap_or(f64::NAN), allowed, remedy);
+        faults.add(format!("layer[{i}].slab_um"), um, allowed, remedy);
     }
 }
 

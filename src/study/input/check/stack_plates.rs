@@ -6,7 +6,8 @@ use crate::ink::{Joint, Orientation};
 use crate::input::file::{ComposedTable, StackLayerTable};
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, LayerPlates, Study, StudyKind};
-use crate::input::{Faults, LightRule, StudyFile, limits};
+use crate::input::{Faults, LightRule, StudyFile, as_written, limits};
+use crate::numerics::allowed::{brief, shown};
 
 /// Thicknesses are told to a millionth of a nanometre.
 const PER_ROUNDED_UM: f64 = 1e9;
@@ -64,6 +65,7 @@ pub(super) fn compose(
     }
     study.variation.light = LightRule::Listed;
     study.kind = StudyKind::Composed(composed);
+    study.remarks.extend(study.layers_without_plates());
 }
 
 /// The index of the half-spaces between the layers. Clear layers are followed at the directions of
@@ -101,8 +103,9 @@ fn plates_of(
     let slab_um = asked_um.unwrap_or(table.slab_um);
     let field = format!("layer[{i}].slab_um");
     faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
-    if is_listed && slab_um > 0.5 * um * (1.0 + 1e-9) {
-        let allowed = format!("at most {} µm, half of the thinnest of the listed thicknesses", 0.5 * um);
+    if is_listed && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
+        let half_um = brief(0.5 * um);
+        let allowed = format!("at most {half_um} µm, half of the thinnest of the listed thicknesses");
         let remedy = "take thinner slabs for this layer, or give it one thickness";
         faults.add(field, slab_um, allowed, remedy);
         return LayerPlates::Whole;
@@ -114,7 +117,7 @@ fn plates_of(
     let own_um = um / (um / slab_um).round().max(2.0);
     // that of agglomerates is a matter of chance
     let widest_um = study.packing.layers.get(i).map_or(0.0, |layer| layer.request.widest_body_um());
-    if widest_um.is_finite() && widest_um > 0.5 * own_um * (1.0 + 1e-9) {
+    if widest_um.is_finite() && widest_um > 0.5 * own_um {
         let allowed = format!(
             "slabs of {:.3} µm or more, twice the largest grain: they are compared with some half as thick",
             2.0 * widest_um
@@ -129,32 +132,37 @@ fn plates_of(
 /// What a stack of plates cannot hold.
 fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults: &mut Faults) {
     for (i, layer) in layers.iter().enumerate() {
-        let mut refuse = |there: bool, key: &str, allowed: &str, remedy: &str| {
-            if there {
+        let mut refuse = |found: Option<String>, key: &str, allowed: &str, remedy: &str| {
+            if let Some(found) = found {
                 let allowed = format!("{allowed} where the stack is composed");
-                faults.add(format!("layer[{i}].{key}"), "given", allowed, remedy);
+                faults.add(format!("layer[{i}].{key}"), found, allowed, remedy);
             }
         };
         let remedy = "remove it, or remove [stack.composed]: a thin stack is solved whole";
-        refuse(layer.joint == Some(Joint::Open), "joint", "\"wall\"", remedy);
-        refuse(layer.relief.is_some(), "relief", "a plane surface", remedy);
-        refuse(layer.microstructure.is_some(), "microstructure", "packed grains", remedy);
-        refuse(layer.thickness_um.std() > 0.0, "thickness_um.std", "one thickness or a list", remedy);
+        let open = layer.joint.as_ref().filter(|joint| **joint == Joint::Open);
+        let std_um = Some(layer.thickness_um.std()).filter(|std_um| *std_um > 0.0);
+        refuse(open.map(as_written), "joint", "\"wall\"", remedy);
+        refuse(layer.relief.as_ref().map(as_written), "relief", "a plane surface", remedy);
+        refuse(layer.microstructure.as_ref().map(as_written), "microstructure", "packed grains", remedy);
+        refuse(std_um.map(shown), "thickness_um.std", "one thickness or a list", remedy);
         for (k, pigment) in layer.pigments.iter().enumerate() {
-            let aligned = pigment.index.is_birefringent() && pigment.orientation != Orientation::Random;
+            let is_aligned = pigment.index.is_birefringent() && pigment.orientation != Orientation::Random;
+            let aligned = Some(&pigment.orientation).filter(|_| is_aligned);
             let remedy = "remove orientation, or give the pigment one index";
             let allowed = "\"random\" for birefringent grains";
-            refuse(aligned, &format!("pigment[{k}].orientation"), allowed, remedy);
+            refuse(aligned.map(as_written), &format!("pigment[{k}].orientation"), allowed, remedy);
             let remedy = "remove it: slabs are packed without a gradient; layers of rising shares make one";
-            refuse(pigment.profile.is_some(), &format!("pigment[{k}].profile"), "even layers", remedy);
+            let profile = pigment.profile.as_ref().map(as_written);
+            refuse(profile, &format!("pigment[{k}].profile"), "even layers", remedy);
         }
     }
     refuse_metals(study, faults);
     refuse_beside_slabs(written, "the stack", "stack.composed", faults);
-    if written.areas.iter().any(|area| area.results.is_some()) {
+    for (i, area) in written.areas.iter().enumerate() {
+        let Some(folder) = &area.results else { continue };
         let allowed = "areas of this study's layers where the stack is composed";
         let remedy = "run this study and print it from one that is solved as a whole";
-        faults.add("area.results", "given", allowed, remedy);
+        faults.add(format!("area[{i}].results"), format!("{folder:?}"), allowed, remedy);
     }
     if study.pigments.is_empty() {
         let remedy = "remove [stack.composed]: a clear stack is solved exactly at any thickness";

@@ -6,8 +6,8 @@ use crate::numerics::estimate::largest;
 use crate::run::point::Stopper;
 use crate::run::watch::RunWatch;
 use crate::solve::Coverages;
-use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
-use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
+use crate::solve::accuracy::{AccuracyError, Estimated, Task};
+use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene};
 
 /// One packing for test solves.
 pub(super) struct Probing<'a> {
@@ -58,21 +58,12 @@ impl Probing<'_> {
     /// chosen.
     fn refined(&self, task: &Task, before: Option<Resolution>) -> Result<Estimated, AccuracyError> {
         let watch = &mut Stopper(self.watch);
-        let accuracy = match self.study.resolution {
-            WantedResolution::Grid { points_per_um, planes_per_um, scheme } => {
-                let grid = grid(&self.draw, points_per_um, planes_per_um, scheme);
-                return task.solve_with_estimate(grid, watch);
-            }
-            WantedResolution::Accuracy { amplitude, .. } => amplitude,
+        if let Some(grid) = self.study.given_grid(&self.draw) {
+            return task.solve_with_estimate(grid, watch);
+        }
+        let WantedResolution::Accuracy { amplitude: accuracy, .. } = self.study.resolution else {
+            return Err(AccuracyError::Accuracy(f64::NAN));
         };
         task.solve_to_accuracy_from(before, accuracy, watch)
     }
-}
-
-/// Grid with at least the requested points and planes per µm, in sizes with fast Fourier
-/// transforms.
-pub(super) fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
-    let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
-    let cells = (planes_per_um * draw.thickness_um / scheme.degree() as f64).ceil().max(1.0) as usize;
-    Resolution { nx: points[0], ny: points[1], cells, scheme }
 }

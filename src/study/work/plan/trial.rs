@@ -13,7 +13,7 @@ use crate::run::longer_waves::{Finest, coarsened};
 use crate::run::memory;
 use crate::run::point::{Grids, PointSolver};
 use crate::run::realisation::Packings;
-use crate::run::resolve::{given_grid, packings_compared, probed_solves, resolve};
+use crate::run::resolve::{packings_compared, probed_solves, resolve};
 use crate::run::watch::RunWatch;
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
@@ -191,7 +191,7 @@ fn choose_grid(
     alike: Option<&Trial>,
     watch: &Deadline,
 ) -> Result<ChosenGrid, RunError> {
-    if let Some(given) = given_grid(study) {
+    if let Some(given) = study.given_grid(&study.draw(0)) {
         return Ok(ChosenGrid::known(None, (given, 0.0)));
     }
     if let Some(trial) = alike {

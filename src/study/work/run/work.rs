@@ -91,7 +91,7 @@ impl Work<'_> {
             };
             self.worker.stores.failures.put(stage_key(study, realisation).as_str(), &record)?;
         }
-        let _ = self.worker.failure.set(error);
+        let _ = self.worker.failure.set(error.of_part(self.watch.name));
         Ok(())
     }
 

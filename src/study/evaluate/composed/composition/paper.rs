@@ -1,11 +1,13 @@
 //! The paper of a composition: albedo, contact and brightener.
 
 use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM, STEP_NM, summed_nm};
-use crate::appearance::paper::{Albedo, Coupling};
+use crate::appearance::paper::{Albedo, Coupling, PaperError};
 use crate::appearance::viewing::Viewing;
 use crate::evaluate::prints::Brightened;
+use crate::input::fault::EMPTY_LIST;
 use crate::input::measured::MeasuredCondition;
 use crate::input::study::Paper;
+use crate::material::columns::in_other_unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +73,29 @@ impl CompositionPaper {
         if self.contact { Coupling::OpticalContact { index: joint_index } } else { Coupling::Gap }
     }
 
+    /// What is wrong with the albedo: found, allowed, and what to do.
+    fn albedo_in_words(&self, error: &PaperError, wavelengths_nm: &[f64]) -> String {
+        let rows: &[[f64; 2]] = if let Albedo::Spectral(rows) = &self.albedo { rows } else { &[] };
+        let used_nm = [0, wavelengths_nm.len().saturating_sub(1)]
+            .map(|w| wavelengths_nm.get(w).copied().unwrap_or(0.0));
+        let covering =
+            format!("two or more rows [nm, albedo], rising, from {} to {} nm", used_nm[0], used_nm[1]);
+        match error {
+            PaperError::Albedo { value } => {
+                format!("paper.albedo: found {value}; allowed 0 to 1: 0.9 is good paper")
+            }
+            PaperError::AlbedoRange { lo, hi, .. } => {
+                let extend = || "extend the table".to_owned();
+                let remedy = in_other_unit([*lo, *hi], used_nm).unwrap_or_else(extend);
+                format!("paper.albedo: found rows from {lo} to {hi} nm; allowed {covering}: {remedy}")
+            }
+            _ => {
+                let found = if rows.is_empty() { EMPTY_LIST } else { "rows that do not rise, or one alone" };
+                format!("paper.albedo: found {found}; allowed {covering}: or write one number, albedo = 0.9")
+            }
+        }
+    }
+
     /// The paper at a library's wavelengths, as a study has it.
     ///
     /// # Errors
@@ -84,7 +109,8 @@ impl CompositionPaper {
             fluorescence: None,
             dots: None,
         };
-        let at = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
+        let at =
+            |nm: &f64| paper.albedo.at(*nm).map_err(|error| self.albedo_in_words(&error, wavelengths_nm));
         wavelengths_nm.iter().try_for_each(|nm| at(nm).map(drop))?;
         let Some(written) = &self.fluorescence else { return Ok(paper) };
         let fluorescence = written.checked().map_err(|words| format!("paper.fluorescence{words}"))?;

@@ -5,6 +5,7 @@ use crate::evaluate::composed::level::Slabs;
 use crate::evaluate::composed::numbers::LayerTask;
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::{HidingNumbers, ThicknessNumbers};
+use crate::numerics::allowed::brief;
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
@@ -26,12 +27,12 @@ fn find_hiding(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
     let hides = |count: usize| task.does_hide(slabs, count);
     let reason = "no contrast ratio without a colour";
     if hides(2).ok_or(reason)? {
-        return Err(format!("two slabs, {} µm, hide already", 2.0 * task.composed.slab_um));
+        return Err(format!("two slabs, {} µm, hide already", brief(2.0 * task.composed.slab_um)));
     }
     let mut most = 4;
     while !hides(most).ok_or(reason)? {
         if most >= MOST_SLABS {
-            return Err(format!("{} µm do not hide", MOST_SLABS as f64 * task.composed.slab_um));
+            return Err(format!("{} µm do not hide", brief(MOST_SLABS as f64 * task.composed.slab_um)));
         }
         most *= 2;
     }

@@ -1,7 +1,9 @@
 //! What can be wrong with an index: names and files that are not found, wavelengths without a
 //! value, values that no medium has.
 
+use crate::input::check::paper::range;
 use crate::input::{Fault, limits};
+use crate::material::columns::in_other_unit;
 use crate::material::named::{MATERIALS, NamedMaterial};
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::material::synthetic::Synthetic;
@@ -112,8 +114,9 @@ pub(super) fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) 
     let slack = 1e-9;
     let nm = wavelengths_nm.iter().find(|&&nm| nm < low - slack || nm > high + slack)?;
     let allowed = format!("from {low} to {high} nm, where {} is known", spectrum.name());
-    let remedy = "give a table that covers 400 to 700 nm; with [light] inside the table's range spectra lack nothing, but colours \
-                  have wider error bars, and need 440 to 610 nm at least";
+    let usual = "give a table that covers 400 to 700 nm; with [light] inside the table's range spectra lack nothing, but colours \
+                 have wider error bars, and need 440 to 610 nm at least";
+    let remedy = in_other_unit([low, high], range(wavelengths_nm)).unwrap_or_else(|| usual.to_owned());
     Some(Fault::new(field, format!("no value at {nm} nm"), allowed, remedy))
 }
 

@@ -123,6 +123,21 @@ impl Study {
         self.wavelengths_nm.iter().map(at).collect()
     }
 
+    /// The layers of a stack of plates that are no plates of a library, for they have no grains,
+    /// and what to do; `None` where all are.
+    pub fn layers_without_plates(&self) -> Option<String> {
+        self.composed()?.joint_index?;
+        let clear = self.stack.iter().filter(|layer| layer.pigments == 0);
+        let names: Vec<&str> = clear.map(|layer| layer.name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{}: no plate: a library holds layers with grains, and compositions of it lack this one; for colours with it, \
+                 run the whole stack (inkwave run)",
+                names.join(", ")
+            )
+        })
+    }
+
     /// One layer of a stack as a study of its own.
     pub fn of_layer(&self, layer: usize) -> Study {
         let own = &self.stack[layer];
