@@ -15,7 +15,7 @@
 //!
 //! Where a layer's index is below that of the paper, light beyond its own critical angle decays in
 //! it, and what tunnels reaches the layers on its other side. No slab was solved there: it is an
-//! even film of the N of the last direction before.
+//! even film of the N that it has at 0°.
 
 mod element;
 mod even_slab;
@@ -350,7 +350,7 @@ impl TrappedZone {
             let (squared, thickness_um) = element.depth();
             let phases = [self.zone.from, self.zone.to].map(|sine| normal(squared, sine).re);
             fringes += 2.0 * (phases[0] - phases[1]) * thickness_um * self.wavenumber / TAU;
-            if number < last && element.passes(self.zone.to) {
+            if number < last && element.goes_on(self.zone.to) {
                 let at_edge = element.at(&weights, self.zone.from, self.polarisation, self.wavenumber);
                 seen *= at_edge.transmitted.norm_sqr();
             }

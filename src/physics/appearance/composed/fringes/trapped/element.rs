@@ -93,7 +93,7 @@ impl TrappedElement {
     }
 
     /// A slab whose directions in a zone were not solved, or decay in it: an even film of the index
-    /// N that it has in the last direction before them.
+    /// N that it has at 0°, where its faces hide least of it.
     pub(super) fn beyond_solves(
         slab: &TrappedSlab,
         light: TrappedLight,
@@ -109,18 +109,9 @@ impl TrappedElement {
             Self::Solved { film, known, .. } if film.index == index => Some(known[0].squared),
             _ => None,
         });
-        let squared = of_neighbour.unwrap_or_else(|| {
-            let passed = |direction: usize| -> Option<(f64, Complex64)> {
-                let sine = if direction == 0 { 0.0 } else { light.ordinates.sines[direction - 1] };
-                Some((sine, slab.passed(direction, light.polarisation)?)).filter(|_| sine < index)
-            };
-            let mut turned = 0.0;
-            let mut squared = Complex64::ZERO;
-            for (sine, value) in (0..=zone.first).map_while(passed) {
-                turned = film.logarithm(value, Complex64::ZERO, sine, false, turned).im;
-                squared = film.even_of(value, sine, false, turned).known.squared;
-            }
-            squared
+        let squared = of_neighbour.unwrap_or_else(|| match slab.passed(0, light.polarisation) {
+            Some(passed) => film.even_of(passed, 0.0, false, 0.0).known.squared,
+            None => Complex64::ZERO,
         });
         let known = light.ordinates.sines[zone.first..zone.first + zone.count].iter().map(|&sine| {
             let [front, behind] = between.map(|index| index > sine);
@@ -145,6 +136,15 @@ impl TrappedElement {
             Self::Face([_, behind]) => behind.re > sine * sine,
             Self::Even { squared, .. } => squared.re > sine * sine,
         }
+    }
+
+    /// Whether a wave goes on in front of it and behind.
+    pub(super) fn goes_on(&self, sine: f64) -> bool {
+        let in_front = match self {
+            Self::Face([before, _]) => before.re > sine * sine,
+            _ => true,
+        };
+        in_front && self.passes(sine)
     }
 
     /// What is known of a slab of this index that light passes.
@@ -191,8 +191,10 @@ impl TrappedElement {
         let phases = film.depths(here.squared, sine);
         if is_last {
             let turned = even.reflected[0] * here.further.exp() + here.reflected[0] * phases[0];
-            // noise between the directions must not make more light than there is
-            let turned = turned / turned.norm().max(1.0);
+            // Noise between the directions must not make more light than there is; of a wave that
+            // decays towards it, an element may well mirror more than arrives.
+            let most = if film.between[0] > sine { 1.0 } else { f64::INFINITY };
+            let turned = turned / (turned.norm() / most).max(1.0);
             return FilmMatrix { reflected: [turned, Complex64::ZERO], transmitted: Complex64::ZERO };
         }
         let one = FilmMatrix {
