@@ -20,7 +20,7 @@ from ._program import InputError, remark
 
 __all__ = ["Composed", "Library"]
 
-FORM = 3
+FORM = 4
 _FAINT = 1e-9
 _NOTHING = 1e-9
 _PIECE, _PIECES, _MOST_FRINGES = 8, 16, 200.0
@@ -28,6 +28,7 @@ _MOST_SLABS = 4096.0
 _BLACK, _WHITE = 0.0, 0.8
 _PRINT_SINE = math.sin(math.radians(45.0))
 _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
+_LOSSLESS, _SAME_INDEX = 1e-12, 1e-9
 _STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
 _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
@@ -159,6 +160,45 @@ class _Film(NamedTuple):
         """Squared moduli."""
         return _Film(*(np.abs(x) ** 2 for x in self))
 
+    def where(self, here: np.ndarray, other: "_Film") -> "_Film":
+        """This in some places, in the others another."""
+        return self if here.all() else _Film(*(np.where(here, x, y) for x, y in zip(self, other)))
+
+    def repeated(self, count: float, way: np.ndarray) -> "_Film":
+        """This number of them one behind another, a part of one included (Stokes); `way` tells between the logarithms of a part."""
+        if count == 1.0:
+            return self
+        mirrored = 0.5 * (self.ra + self.rb)
+        there = np.abs(mirrored) >= _LOSSLESS
+        some = np.where(there, mirrored, 1.0)
+        half = (1 + some**2 - self.t**2) / (2 * some)
+        root = np.sqrt(half * half - 1)
+        own = np.where(there, 1 / np.where(np.abs(half - root) > np.abs(half + root), half - root, half + root), 0.0)
+        log = _log(self.t / (1 - own * mirrored))
+        onward = np.exp((log + 2j * np.pi * np.round((way.imag - log.imag) / (2 * np.pi))) * count)
+        return _stokes(own, onward)
+
+    def powers_repeated(self, count: float) -> "_Film":
+        """The same of powers, without interference."""
+        if count == 1.0:
+            return self
+        mirrored = 0.5 * (self.ra + self.rb)
+        there, loses = mirrored >= _LOSSLESS, 1 - mirrored - self.t >= _LOSSLESS
+        some = np.where(there, mirrored, 1.0)
+        half = (1 + some**2 - self.t**2) / (2 * some)
+        own = np.where(there, 1 / (half + np.sqrt(np.maximum(half * half - 1, 0.0))), 0.0)
+        lossy = _stokes(own, (self.t / (1 - own * mirrored)) ** count)
+        through = self.t / (self.t + count * mirrored)
+        return lossy.where(loses | ~there, _Film(1 - through, 1 - through, through))
+
+
+def _stokes(own: np.ndarray, onward: np.ndarray) -> _Film:
+    """Elements that are alike: what a half-space of them mirrors, and what is left of the wave that goes on behind all of them."""
+    back = onward**2
+    many = 1 / (1 - own**2 * back)
+    mirrored = own * (1 - back) * many
+    return _Film(mirrored, mirrored, onward * (1 - own**2) * many)
+
 
 def _normal(index: Any, sine: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.asarray(index * index - sine * sine, complex))
@@ -200,6 +240,12 @@ class _Portion:
     @property
     def cells(self) -> int:
         return len(self.states) - 1
+
+    def mirrors(self, within: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Whether the medium ends at the front and at the back (wavelength): also within a layer, between half-spaces of another index."""
+        inside = self.between[:, 0 if self.position == "back" else 1]
+        stepped = (self.position != "whole") & (np.abs(inside - within) > _SAME_INDEX)
+        return stepped | (self.position in ("front", "whole")), stepped | (self.position in ("back", "whole"))
 
 
 class _Change(NamedTuple):
@@ -552,19 +598,22 @@ class Library:
             for p in range(self._polarisations):
                 films = self._elements(number, count, change, p, sines)
                 if faces[0]:
-                    films.insert(0, _plane(1.0, self.joint_index, sines[None, :], p))
+                    front = _plane(1.0, self.joint_index, sines[None, :], p)
+                    films.insert(0, (front, front.powers()))
                 if faces[1]:
-                    films.append(_plane(self.joint_index, 1.0, sines[None, :], p))
-                whole, powers = films[0], films[0].powers()
-                for film in films[1:]:
-                    whole, powers = whole.then(film), powers.then(film.powers())
+                    back = _plane(self.joint_index, 1.0, sines[None, :], p)
+                    films.append((back, back.powers()))
+                whole, powers = films[0]
+                for film, own in films[1:]:
+                    whole, powers = whole.then(film), powers.then(own)
                 found.append((whole, powers))
             if len(self._films) >= _MOST_FILMS:
                 self._films.clear()
             self._films[key] = found
         return self._films[key]
 
-    def _elements(self, number: int, count: float, change: _Change, p: int, sines: np.ndarray) -> List[_Film]:
+    def _elements(self, number: int, count: float, change: _Change, p: int, sines: np.ndarray) -> List[Tuple[_Film, _Film]]:
+        """Waves and powers of every element of a layer."""
         within = np.array(self._plates[number]["within"])
         films = []
         for position, times in self._places_of(count, change):
@@ -580,7 +629,7 @@ class Library:
         films = self._elements(number, count, change, p, np.array([0.0]))
         within = np.array(self._plates[number]["within"])
         found = self._fringes[key] = []
-        for (position, times), film in zip(self._places_of(count, change), films):
+        for (position, times), (film, _) in zip(self._places_of(count, change), films):
             portion, _ = self._state(number, position, change)
             per_um = 2 * (within - np.sqrt(np.maximum(within**2 - 1.0, 0.0))) / (1e-3 * self.wavelengths_nm)
             found.append((per_um * portion.thickness_um * times, np.abs(film.t[:, 0]) ** 2))
@@ -595,12 +644,13 @@ class Library:
         return self._turned_back[key]
 
     def _element(self, portion: _Portion, states: _States, within: np.ndarray, times: float, p: int, fewer: bool,
-                 sines: np.ndarray) -> _Film:
+                 sines: np.ndarray) -> Tuple[_Film, _Film]:
         um, index = portion.thickness_um, within[:, None]
         k0 = 2 * np.pi / (1e-3 * self.wavelengths_nm[:, None])
         before, behind = portion.between[:, :1], portion.between[:, 1:]
-        inner = portion.position == "inner"
-        depth = {"front": 0.0, "inner": 0.5, "whole": 0.5, "back": 1.0}[portion.position]
+        front, back = (mirrors[:, None] for mirrors in portion.mirrors(within))
+        mirrors = front | back
+        depth = 0.5 + 0.5 * (back & ~front) - 0.5 * (front & ~back)
 
         def phase(sine: np.ndarray) -> np.ndarray:
             return np.asarray(k0 * _normal(index, sine) * um)
@@ -609,9 +659,9 @@ class Library:
             way = np.exp(1j * phase(sine) + passed)
             zero = np.zeros_like(way)
             through = _Film(zero, zero, way)
-            if inner:
+            if not mirrors.any():
                 return through
-            return _plane(before, index, sine, p).then(through).then(_plane(index, behind, sine, p))
+            return _plane(before, index, sine, p).then(through).then(_plane(index, behind, sine, p)).where(mirrors, through)
 
         def depths(sine: np.ndarray, passed: np.ndarray) -> List[np.ndarray]:
             once = phase(sine).real + passed.imag
@@ -634,12 +684,15 @@ class Library:
         here = passed[:, kept] @ weights
         here = np.minimum(here.real, passed[:, kept].real.max(1, keepdims=True)) + 1j * here.imag
         sine = sines[None, :]
-        if inner:
-            t = np.exp((1j * phase(sine) + here) * times)
-            return _Film(np.zeros_like(t), np.zeros_like(t), t)
+        way = 1j * phase(sine) + here
+        zero = np.zeros_like(way)
+        plain = _Film(zero, zero, np.exp(way * times))
+        if not mirrors.any():
+            return plain, plain.powers()
         film, phases = even(sine, here), depths(sine, here)
         straight = even(sine, 0.0).t * np.exp(here)
-        return _Film(film.ra + (beyond[0][:, kept] @ weights) * phases[0], film.rb + (beyond[1][:, kept] @ weights) * phases[1], straight)
+        one = _Film(film.ra + (beyond[0][:, kept] @ weights) * phases[0], film.rb + (beyond[1][:, kept] @ weights) * phases[1], straight)
+        return one.repeated(times, way).where(mirrors, plain), one.powers().powers_repeated(times).where(mirrors, plain.powers())
 
     # many stacks
 
@@ -805,12 +858,14 @@ class _TrappedSlab:
     has its phase and its loss in every direction, and what is left over (wavelength, direction)."""
 
     def __init__(self, library: Library, portion: _Portion, states: _States, within: np.ndarray, p: int):
-        self.p, self.um, self.inner = p, portion.thickness_um, portion.position == "inner"
+        self.p, self.um = p, portion.thickness_um
         self.k0 = 2 * np.pi / (1e-3 * library.wavelengths_nm[:, None])
         self.squared_index = (within**2)[:, None]
         self.before, self.behind = portion.between[:, 1:] ** 2, portion.between[:, :1] ** 2
-        self.mirrors = {"front": (False, True), "inner": (False, False), "back": (True, False), "whole": (True, True)}[portion.position]
-        self.depth = {"front": 1.0, "inner": 0.5, "whole": 0.5, "back": 0.0}[portion.position]
+        behind, front = (mirrors[:, None] for mirrors in portion.mirrors(within))
+        self.faces, self.mirrors = (front, behind), front | behind
+        self.depth = 0.5 + 0.5 * (behind & ~front) - 0.5 * (front & ~behind)
+        self.both = np.ones_like(front), np.ones_like(front)
         least = np.minimum(portion.between.min(1), within)
         self.goes_on = least > library.joint_index - _NARROWEST
         own = states.amplitudes[..., p, :]
@@ -827,28 +882,30 @@ class _TrappedSlab:
                     continue
                 squared, further, turned = self._even_of(measured[:, d], sine, turned)
                 at = np.array([sine])
-                film, phases = self.film(squared[:, None], at, (True, True)), self._depths(squared[:, None], at)
+                film, phases = self.film(squared[:, None], at, self.both), self._depths(squared[:, None], at)
                 differences = [(own[:, 1 - side, d, 0] - (film.ra, film.rb)[side][:, 0]) * np.conj(phases[side][:, 0]) for side in (0, 1)]
                 known.append(np.array([squared, further, *differences]))
         # (what, wavelength, direction)
         self.known = np.stack(known, -1)
         # powers of the mean wave as it was solved, from the paper's side (wavelength, direction)
         near_ones = slice(near + 1, sines.size)
-        back, front = (0.0 * np.abs(own[:, side, near_ones, 0]) if self.inner else np.abs(own[:, side, near_ones, 0]) ** 2 for side in (1, 0))
-        self.solved = _Film(back, front, np.abs(measured[:, near_ones]) ** 2)
+        powers = _Film(*(np.abs(x[:, near_ones]) ** 2 for x in (own[:, 1, :, 0], own[:, 0, :, 0], measured)))
+        self.solved = powers.where(self.mirrors, _Film(0 * powers.ra, 0 * powers.rb, powers.t))
 
     def phase(self, further: Any, sine: np.ndarray) -> np.ndarray:
         """i k_z d of one way."""
         return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * self.um)
 
-    def film(self, further: Any, sine: np.ndarray, faces: Tuple[bool, bool]) -> _Film:
+    def film(self, further: Any, sine: np.ndarray, faces: Tuple[np.ndarray, np.ndarray]) -> _Film:
         """The even film with or without its faces to the half-spaces."""
         squared = self.squared_index + further
         way = np.exp(self.phase(further, sine))
         film = _Film(np.zeros_like(way), np.zeros_like(way), way)
-        if faces[0]:
-            film = _face_between(self.before, squared, sine, self.p).then(film)
-        return film.then(_face_between(squared, self.behind, sine, self.p)) if faces[1] else film
+        if faces[0].any():
+            film = _face_between(self.before, squared, sine, self.p).then(film).where(faces[0], film)
+        if faces[1].any():
+            film = film.then(_face_between(squared, self.behind, sine, self.p)).where(faces[1], film)
+        return film
 
     def _depths(self, further: Any, sine: np.ndarray) -> List[np.ndarray]:
         once = self.phase(further, sine).imag
@@ -857,7 +914,7 @@ class _TrappedSlab:
     def _logarithm(self, measured: np.ndarray, further: Any, sine: float, near: np.ndarray) -> np.ndarray:
         at = np.array([sine])
         further = np.asarray(further)[..., None] if np.ndim(further) else further
-        faces = self.film(further, at, (True, True)).t / np.exp(self.phase(further, at))
+        faces = self.film(further, at, self.both).t / np.exp(self.phase(further, at))
         log = _log(measured / (faces * np.exp(self.phase(0.0, at)))[:, 0])
         return np.asarray(log - 2j * np.pi * np.round((log.imag - near) / (2 * np.pi)))
 
@@ -873,7 +930,7 @@ class _TrappedSlab:
             sound &= np.isfinite(squared) & (np.abs(squared) < _FURTHEST)
             squared = np.where(sound, squared, 0.0)
             log = np.where(sound, self._logarithm(measured, squared, sine, log.imag), first)
-        left = _log(measured / self.film(squared[:, None], at, (True, True)).t[:, 0])
+        left = _log(measured / self.film(squared[:, None], at, self.both).t[:, 0])
         sound &= np.abs(left) < 0.1 * np.abs(first) + _FAINT
         return np.where(sound, squared, 0.0), np.where(sound, left, first), np.where(sound, log.imag, first.imag)
 
@@ -885,11 +942,19 @@ class _TrappedSlab:
         squared = squared.real + 1j * np.maximum(squared.imag, least)
         further = np.minimum(further.real, own[1].real.max(1, keepdims=True)) + 1j * further.imag
         sine = sine[None, :]
-        if self.inner:
-            t = np.exp((self.phase(squared, sine) + further) * times)
-            return _Film(np.zeros_like(t), np.zeros_like(t), t)
-        film, phases = self.film(squared, sine, self.mirrors), self._depths(squared, sine)
-        return _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further))
+        way = self.phase(squared, sine) + further
+        zero = np.zeros_like(way)
+        plain = _Film(zero, zero, np.exp(way * times))
+        if not self.mirrors.any():
+            return plain
+        film, phases = self.film(squared, sine, self.faces), self._depths(squared, sine)
+        one = _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further))
+        return one.repeated(times, way).where(self.mirrors, plain)
+
+    def solved_powers(self, times: float) -> _Film:
+        """Powers of this number of them in the known directions, as they were solved."""
+        plain = self.solved._replace(t=self.solved.t**times)
+        return self.solved.powers_repeated(times).where(self.mirrors, plain) if self.mirrors.any() else plain
 
 
 class _TrappedStacks:
@@ -953,7 +1018,7 @@ class _TrappedStacks:
             whole: Optional[_Film] = None
             for layer in reversed(stack.layers):
                 for slab, times in self._slabs(layer, stack.change):
-                    film = slab.solved._replace(t=slab.solved.t**times)
+                    film = slab.solved_powers(times)
                     whole = film if whole is None else whole.then(film)
             assert whole is not None
             found.append(np.minimum(whole.then(face).ra, 1.0))

@@ -3,7 +3,7 @@
 "use strict";
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
-  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 3, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 4, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
   const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
   const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3;
   const sum = list => list.reduce((a, b) => a + b, 0);
@@ -162,6 +162,38 @@ const inkwave = (() => {
     const many = 1 / Math.max(1 - a.rb * b.ra, FAINT);
     return { ra: a.ra + a.t * a.t * b.ra * many, rb: b.rb + b.t * b.t * a.rb * many, t: a.t * b.t * many };
   }
+  /** Elements that are alike (Stokes), a part of one included; `way` tells between the logarithms of a part. */
+  function filmRepeated(a, count, way) {
+    if (count === 1) return a;
+    const mirrored = scale(ca(a.ra, a.rb), 0.5), there = Math.hypot(...mirrored) >= LOSSLESS;
+    let own = [0, 0];
+    if (there) {
+      const half = cd(cs(ca([1, 0], cm(mirrored, mirrored)), cm(a.t, a.t)), scale(mirrored, 2)), root = cq(cs(cm(half, half), [1, 0]));
+      const one = cs(half, root), other = ca(half, root);
+      own = cd([1, 0], cn(one) > cn(other) ? one : other);
+    }
+    const log = logOf(cd(a.t, cs([1, 0], cm(own, mirrored))));
+    log[1] += TAU * Math.round((way[1] - log[1]) / TAU);
+    const onward = ce(scale(log, count)), back = cm(onward, onward), square = cm(own, own), many = cd([1, 0], cs([1, 0], cm(square, back)));
+    const r = cm(cm(own, cs([1, 0], back)), many);
+    return { ra: r, rb: r, t: cm(cm(onward, cs([1, 0], square)), many) };
+  }
+  function powersRepeated(a, count) {
+    if (count === 1) return a;
+    const mirrored = 0.5 * (a.ra + a.rb);
+    if (mirrored < LOSSLESS) return { ra: 0, rb: 0, t: a.t ** count };
+    if (1 - mirrored - a.t < LOSSLESS) { const t = a.t / (a.t + count * mirrored); return { ra: 1 - t, rb: 1 - t, t }; }
+    const half = (1 + mirrored * mirrored - a.t * a.t) / (2 * mirrored), own = 1 / (half + Math.sqrt(Math.max(half * half - 1, 0)));
+    const onward = (a.t / (1 - own * mirrored)) ** count, back = onward * onward, many = 1 / (1 - own * own * back), r = own * (1 - back) * many;
+    return { ra: r, rb: r, t: onward * (1 - own * own) * many };
+  }
+  /** Whether the medium of a portion ends at its front and at its back: within a layer too, between half-spaces of another index. */
+  function mirrorsOf(position, [before, behind], within) {
+    const stepped = position !== "whole" && Math.abs((position === "back" ? before : behind) - within) > SAME_INDEX;
+    return [stepped || position === "front" || position === "whole", stepped || position === "back" || position === "whole"];
+  }
+  /** The depth at which the wave is mirrored, as a part of the thickness. */
+  const depthOf = ([front, back]) => front === back ? 0.5 : front ? 0 : 1;
   /** n cos θ of a real index: real, or decaying. */
   const normal = (index, sine) => { const s = index * index - sine * sine; return s >= 0 ? [Math.sqrt(s), 0] : [0, Math.sqrt(-s)]; };
   function plane(before, behind, sine, p) {
@@ -467,12 +499,12 @@ const inkwave = (() => {
       return this.fluxes.get(key);
     }
 
-    /** One element as the mean wave meets it: a function of the sine. */
+    /** One element as the mean wave meets it: waves and powers as functions of the sine. */
     element(number, position, times, change, w, pol) {
       const [k, cell] = this.portionOf(number, position, change), plate = this.content.plates[number];
       const { amplitude, between: [before, behind] } = this.states(number, k, w, cell);
-      const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]), inner = position === "inner";
-      const depth = { front: 0, inner: 0.5, whole: 0.5, back: 1 }[position];
+      const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]);
+      const mirrors = mirrorsOf(position, [before, behind], index), inner = !mirrors[0] && !mirrors[1], depth = depthOf(mirrors);
       const phase = sine => normal(index, sine).map(x => x * k0 * um);
       const even = (sine, passed) => {
         const f = phase(sine), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
@@ -502,9 +534,11 @@ const inkwave = (() => {
           for (const side of [0, 1]) beyond[side] = add(beyond[side], weight, reflected[d][side]);
         });
         here[0] = Math.min(here[0], clearest);
-        if (inner) { const f = phase(sine); return { ra: [0, 0], rb: [0, 0], t: ce([(here[0] - f[1]) * times, (here[1] + f[0]) * times]) }; }
+        const f = phase(sine), way = [here[0] - f[1], here[1] + f[0]];
+        if (inner) { const film = { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) }; return { film, own: powers(film) }; }
         const film = even(sine, here), phases = depths(sine, here);
-        return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0]).t, ce(here)) };
+        const one = { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0]).t, ce(here)) };
+        return { film: filmRepeated(one, times, way), own: powersRepeated(powers(one), times) };
       };
       const turns = 2 * (index - Math.sqrt(Math.max(index * index - 1, 0))) * um * times / (1e-3 * this.nm[w]);
       return { at: sine => at(sine, lagrange(places, Math.sqrt(Math.max(1 - sine * sine, 0)))), turns };
@@ -519,14 +553,14 @@ const inkwave = (() => {
         sines.forEach((sine, k) => {
           let whole = null, power = null;
           for (const element of elements) {
-            const film = element.at(sine), own = powers(film);
+            const { film, own } = element.at(sine);
             whole = whole ? filmThen(whole, film) : film;
             power = power ? powersThen(power, own) : own;
           }
           coherent.set([...whole.ra, ...whole.rb, ...whole.t], 6 * k);
           without.set([power.ra, power.rb, power.t], 3 * k);
         });
-        const turns = elements.map(element => [element.turns, cn(element.at(0).t)]);
+        const turns = elements.map(element => [element.turns, cn(element.at(0).film.t)]);
         this.films.set(key, { coherent, without, turns });
       }
       return this.films.get(key);
@@ -639,7 +673,7 @@ const inkwave = (() => {
       if (this.turnedBack.has(key)) return this.turnedBack.get(key);
       const plate = this.content.plates[number], { amplitude, between } = this.states(number, k, w, cell), um = plate.portions[k].thickness_um, index = plate.within[w];
       const k0 = TAU / (1e-3 * this.nm[w]), before = [between[1] ** 2, 0], behind = [between[0] ** 2, 0];
-      const faces = { front: [false, true], inner: [false, false], back: [true, false], whole: [true, true] }[position], depth = { front: 1, inner: 0.5, whole: 0.5, back: 0 }[position];
+      const faces = mirrorsOf(position, between, index).reverse(), inner = !faces[0] && !faces[1], depth = depthOf(faces);
       const squaredOf = further => [index * index + further[0], further[1]];
       const phase = (further, sine) => { const n = goingOn(squaredOf(further), sine); return [-n[1] * k0 * um, n[0] * k0 * um]; };
       const film = (further, sine, [first, last]) => {
@@ -678,7 +712,7 @@ const inkwave = (() => {
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
         near = last;
-        const solved = position === "inner" ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
+        const solved = inner ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
         known.push({ squared, further, solved: { ra: solved[0], rb: solved[1], t: cn(measured) }, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
       });
       const at = (weights, kept, sine, times) => {
@@ -691,13 +725,14 @@ const inkwave = (() => {
         });
         squared[1] = Math.max(squared[1], Math.min(...kept.map(d => known[d].squared[1])), 0);
         further[0] = Math.min(further[0], Math.max(...kept.map(d => known[d].further[0])));
-        if (position === "inner") return { ra: [0, 0], rb: [0, 0], t: ce(scale(ca(phase(squared, sine), further), times)) };
+        const way = ca(phase(squared, sine), further);
+        if (inner) return { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) };
         const own = film(squared, sine, faces), phases = depths(squared, sine);
-        return { ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(further)) };
+        return filmRepeated({ ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(further)) }, times, way);
       };
       const goesOn = Math.min(...between, index) > this.index - NARROWEST;
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
-      const solved = (d, times) => position === "inner" ? { ...known[d].solved, t: known[d].solved.t ** times } : known[d].solved;
+      const solved = (d, times) => inner ? { ...known[d].solved, t: known[d].solved.t ** times } : powersRepeated(known[d].solved, times);
       this.turnedBack.set(key, { at, solved, goesOn, turns });
       return this.turnedBack.get(key);
     }

@@ -93,7 +93,8 @@ impl FilmMatrix<Complex64> {
     }
 }
 
-/// The amplitude ρ that a half-space of such elements mirrors: the root within the unit circle.
+/// The amplitude ρ that a half-space of such elements mirrors: the root within the unit circle, the
+/// reciprocal of the other one, which has the same digits where elements mirror little.
 fn eigenwave(mirrored: Complex64, transmitted: Complex64) -> Complex64 {
     if mirrored.norm() < LOSSLESS {
         return Complex64::ZERO;
@@ -101,7 +102,7 @@ fn eigenwave(mirrored: Complex64, transmitted: Complex64) -> Complex64 {
     let half = (1.0 + mirrored * mirrored - transmitted * transmitted) / (2.0 * mirrored);
     let root = (half * half - 1.0).sqrt();
     let [one, other] = [half - root, half + root];
-    if one.norm() <= other.norm() { one } else { other }
+    1.0 / if one.norm() > other.norm() { one } else { other }
 }
 
 impl FilmMatrix<f64> {
@@ -120,7 +121,7 @@ impl FilmMatrix<f64> {
             return Self { reflected: [1.0 - transmitted; 2], transmitted };
         }
         let half = (1.0 + mirrored * mirrored - passed * passed) / (2.0 * mirrored);
-        let own = half - (half * half - 1.0).max(0.0).sqrt();
+        let own = 1.0 / (half + (half * half - 1.0).max(0.0).sqrt());
         let onward = (passed / (1.0 - own * mirrored)).powf(count);
         let back = onward * onward;
         let divisor = 1.0 - own * own * back;
