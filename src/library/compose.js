@@ -8,6 +8,8 @@ const inkwave = (() => {
   const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3;
   const sum = list => list.reduce((a, b) => a + b, 0);
   const range = n => Array.from({ length: n }, (_, k) => k);
+  // viewing angles of a strip, as in the pictures of runs; the rule of their sines
+  const VIEW_DEG = range(21).map(k => 3 * k), VIEWED = -1;
 
   // Matrices: { n: rows, m: columns, x: row by row }
   const zeros = (n, m) => ({ n, m, x: new Float64Array(n * m) });
@@ -566,11 +568,12 @@ const inkwave = (() => {
       return this.films.get(key);
     }
 
-    /** Sines of the mean over the hemisphere, of 0 pieces those that are needed besides: known ones, then 45°. */
+    /** Sines of the mean over the hemisphere, of 0 pieces those that are needed besides: known ones, then 45°; or those of a strip. */
     rule(pieces) {
       if (!this.rules.has(pieces)) {
         const sines = [], weights = [];
         if (pieces === 0) sines.push(...this.known, LIT);
+        if (pieces === VIEWED) sines.push(...VIEW_DEG.map(deg => Math.sin(Math.PI / 180 * deg)));
         for (let k = 0; k < pieces; k++) for (const [x, weight] of PIECE_RULE) {
           const place = (k + x) / pieces;
           sines.push(Math.sqrt(Math.max(1 - place * place, 0)));
@@ -858,19 +861,53 @@ const inkwave = (() => {
       const total = sum(behind), up = times(plate.tba, { n: behind.length, m: 1, x: Float64Array.from(behind, x => x / total) }).x;
       const towards = column => sum(range(p).flatMap(pol => range(near).map(node => p * shares[pol] * nodeShares[node] / this.weights[node] * column(1 + node * p + pol))));
       const alone = towards(k => plate.ra.x[k * plate.ra.m]), outwards = towards(k => up[k]);
-      const on = (albedo, seen) => ratio(1 - albedo * back[0], 1 - albedo * reflected) * seen * albedo * light[1] / (1 - albedo * back[0]);
+      const returns = albedo => ratio(1 - albedo * back[0], 1 - albedo * reflected) * albedo / (1 - albedo * back[0]);
+      const on = (albedo, seen) => returns(albedo) * seen * light[1];
       const litAt = albedo => alone + throughNormal * through45 * on(albedo, outwards);
       const albedo = job.albedo[w], solid = litAt(albedo), lost = 1 - reflected, out = changedLight[1] / index ** 2;
       const series = slanted[1] * out * albedo / ((1 - albedo) + albedo * lost);
       const area = { own: alone, entering: slanted[1], leaving: out * ratio(solid - alone, series), lost };
+      const viewed = () => this.viewed(job, w, tables.map(table => table.sides[0]), sums, returns(albedo) * sum([...up]) * leaving);
       return {
-        area, sky: changed(ontoLit, diffuseLit)[1],
+        area, viewed, sky: changed(ontoLit, diffuseLit)[1],
         numbers: {
           reflectance_normal: changedLight[0], transmittance_normal: changedLight[1],
           natural_light: changedLight[0] + throughNormal * leaving * on(albedo, sum([...up])),
           lit_at_45: solid, over_black: litAt(BLACK), over_white: litAt(WHITE),
         },
       };
+    }
+
+    /**
+     * A uniform sky's light that is seen at the angles of a strip, and what of the paper's light passes there: R and T are polynomials
+     * between 0° and the nodes, with what interference changes of them. `returned` of the light that passes comes back from the paper.
+     */
+    viewed(job, w, sides, sums, returned) {
+      const { p, shares } = this, rule = this.rule(VIEWED), nowhere = () => VIEW_DEG.map(() => [0, 0]), alone = nowhere(), change = nowhere();
+      shares.forEach((part, pol) => {
+        if (part === 0) return;
+        const coherent = this.fields(job, w, pol, VIEWED, false)[0][0], { lost, incoherent } = sides[pol];
+        const columns = this.known.map((_, d) => d === 0 ? 0 : 1 + (d - 1) * p + pol).map(k => [sums.ra[k], sums.tab[k]]);
+        VIEW_DEG.forEach((_, k) => {
+          const mean = of => rule.lagranges[0][k].reduce((l, weight, d) => add(l, weight, of[d]), [0, 0]);
+          alone[k] = add(alone[k], part, mean(columns));
+          change[k] = add(change[k], part, minus(withLoss(coherent[k], mean(lost)), mean(incoherent)));
+        });
+      });
+      return alone.map((own, k) => {
+        const [back, through] = changed(own, change[k]);
+        return { factor: back + ratio(through, own[1]) * own[1] * returned, through };
+      });
+    }
+
+    /** Factors of a solid under a uniform sky by viewing angle, [angle in degrees, [wavelength]], as the strip of a run's picture has them. */
+    overAngles(composition) {
+      const job = { ...this.job(composition), areas: null }, glow = job.light ? this.evaluated(job, null).natural_light : null;
+      const rows = this.nm.map((_, w) => {
+        const { viewed, numbers } = this.spectral(job, w), all = viewed(), emitted = glow ? glow[w] - numbers.natural_light : 0;
+        return all.map(({ factor, through }) => factor + (emitted ? emitted * through / all[0].through : 0));
+      });
+      return VIEW_DEG.map((deg, k) => [deg, rows.map(row => row[k])]);
     }
 
     /** What the paper emits below kinds of area, of light of power 1, at every wavelength; `kinds` are their optics by wavelength. */

@@ -1,6 +1,7 @@
 //! Libraries of plates: a composed stack is what a run of that stack gives, in the program, in the page's engine and in Python;
 //! and what does not fit together is refused.
 
+mod angles;
 mod refusals;
 
 use super::run_support::{results, results_of, study, succeed, value};
