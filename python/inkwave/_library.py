@@ -13,7 +13,7 @@ import json
 import math
 import pathlib
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -164,24 +164,26 @@ class _Film(NamedTuple):
 
     def where(self, here: np.ndarray, other: "_Film") -> "_Film":
         """This in some places, in the others another."""
-        return self if here.all() else _Film(*(np.where(here, x, y) for x, y in zip(self, other)))
+        return self if here.all() else _Film(*(np.where(here, x, y) for x, y in zip(self, other))) if here.any() else other
 
-    def repeated(self, count: Any, way: np.ndarray) -> "_Film":
-        """This number of them one behind another, a part of one included (Stokes); `way` tells between the logarithms of a part."""
-        if np.equal(count, 1.0).all():
+    def repeated(self, count: Any, part_of: Callable[[Any], "_Film"]) -> "_Film":
+        """This number of them one behind another, or several numbers (number, 1, 1), and behind the whole ones a part of one."""
+        count = np.asarray(count, float)
+        if (count == 1.0).all():
             return self
-        mirrored = 0.5 * (self.ra + self.rb)
-        there = np.abs(mirrored) >= _LOSSLESS
-        some = np.where(there, mirrored, 1.0)
-        half = (1 + some**2 - self.t**2) / (2 * some)
-        root = np.sqrt(half * half - 1)
-        own = np.where(there, 1 / np.where(np.abs(half - root) > np.abs(half + root), half - root, half + root), 0.0)
-        log = _log(self.t / (1 - own * mirrored))
-        onward = np.exp((log + 2j * np.pi * np.round((way.imag - log.imag) / (2 * np.pi))) * count)
-        return self.where(np.equal(count, 1.0), _stokes(own, onward))
+        zero = np.zeros_like(self.t)
+        total, power, whole = _Film(zero, zero, zero + 1.0), self, np.floor(count).astype(int)
+        while whole.any():
+            total = total.then(power).where(whole % 2 == 1, total)
+            whole = whole // 2
+            if whole.any():
+                power = power.then(power)
+        part = count % 1.0
+        total = total.then(part_of(part)).where(part > 0.0, total) if part.any() else total
+        return self.where(count == 1.0, total)
 
     def powers_repeated(self, count: Any) -> "_Film":
-        """The same of powers, without interference."""
+        """The same of powers, without interference (Stokes)."""
         if np.equal(count, 1.0).all():
             return self
         mirrored = 0.5 * (self.ra + self.rb)
@@ -189,38 +191,34 @@ class _Film(NamedTuple):
         some = np.where(there, mirrored, 1.0)
         half = (1 + some**2 - self.t**2) / (2 * some)
         own = np.where(there, 1 / (half + np.sqrt(np.maximum(half * half - 1, 0.0))), 0.0)
-        lossy = _stokes(own, (self.t / (1 - own * mirrored)) ** count)
+        onward = (self.t / (1 - own * mirrored)) ** count
+        many = 1 / (1 - (own * onward) ** 2)
+        back = own * (1 - onward**2) * many
+        lossy = _Film(back, back, onward * (1 - own**2) * many)
         through = self.t / (self.t + count * mirrored)
         return self.where(np.equal(count, 1.0), lossy.where(loses | ~there, _Film(1 - through, 1 - through, through)))
 
 
 class _Once(NamedTuple):
     """One slab as the mean wave meets it, whatever their number: the logarithm of the way through its medium, where it mirrors
-    (wavelength, 1), and the film that it is there."""
+    (wavelength, 1), the film that it is there, and that of a part of it."""
 
     way: np.ndarray
     mirrors: np.ndarray
-    film: Optional[_Film]
+    film: Optional[_Film] = None
+    part_of: Callable[[Any], _Film] = lambda part: _Film(part, part, part)
 
     def repeated(self, count: Any, kind: int = 0) -> _Film:
         """Amplitudes (kind 0) or powers (1) of this number of them, or of several numbers (number, 1, 1)."""
         film = None
         if self.film is not None:
-            film = self.film.powers().powers_repeated(count) if kind else self.film.repeated(count, self.way)
+            film = self.film.powers().powers_repeated(count) if kind else self.film.repeated(count, self.part_of)
             if self.mirrors.all():
                 return film
         through = np.exp(self.way * count)
         plain = _Film(np.zeros_like(through), np.zeros_like(through), through)
         plain = plain.powers() if kind else plain
         return plain if film is None else film.where(self.mirrors, plain)
-
-
-def _stokes(own: np.ndarray, onward: np.ndarray) -> _Film:
-    """Elements that are alike: what a half-space of them mirrors, and what is left of the wave that goes on behind all of them."""
-    back = onward**2
-    many = 1 / (1 - own**2 * back)
-    mirrored = own * (1 - back) * many
-    return _Film(mirrored, mirrored, onward * (1 - own**2) * many)
 
 
 def _normal(index: Any, sine: np.ndarray) -> np.ndarray:
@@ -686,20 +684,20 @@ class Library:
         mirrors = first | last
         depth = 0.5 + 0.5 * (last & ~first) - 0.5 * (first & ~last)
 
-        def phase(sine: np.ndarray) -> np.ndarray:
-            return np.asarray(k0 * _normal(index, sine) * um)
+        def phase(sine: np.ndarray, part: Any = 1.0) -> np.ndarray:
+            return np.asarray(k0 * _normal(index, sine) * (um * part))
 
-        def even(sine: np.ndarray, passed: Any) -> _Film:
-            way = np.exp(1j * phase(sine) + passed)
+        def even(sine: np.ndarray, passed: Any, part: Any = 1.0) -> _Film:
+            way = np.exp(1j * phase(sine, part) + passed)
             zero = np.zeros_like(way)
             through = _Film(zero, zero, way)
             if not mirrors.any():
                 return through
             return _plane(before, index, sine, p).then(through).then(_plane(index, behind, sine, p)).where(mirrors, through)
 
-        def depths(sine: np.ndarray, passed: np.ndarray) -> List[np.ndarray]:
-            once = phase(sine).real + passed.imag
-            return [np.exp(2j * part * once) for part in (depth, 1.0 - depth)]
+        def depths(sine: np.ndarray, passed: np.ndarray, part: Any = 1.0) -> List[np.ndarray]:
+            once = phase(sine, part).real + passed.imag
+            return [np.exp(2j * side * once) for side in (depth, 1.0 - depth)]
 
         known = self._known[None, :]
         near = states.amplitudes[:, :, : self._known.size]
@@ -720,11 +718,16 @@ class Library:
         sine = sines[None, :]
         way = 1j * phase(sine) + here
         if not mirrors.any():
-            return _Once(way, mirrors, None)
-        film, phases = even(sine, here), depths(sine, here)
-        straight = even(sine, 0.0).t * np.exp(here)
-        ra, rb = (r + (more[:, kept] @ weights) * phase for r, more, phase in zip((film.ra, film.rb), beyond, phases))
-        return _Once(way, mirrors, _Film(ra, rb, straight))
+            return _Once(way, mirrors)
+        further = [more[:, kept] @ weights for more in beyond]
+
+        def slab(part: Any) -> _Film:
+            passed = part * here
+            film, phases = even(sine, passed, part), depths(sine, passed, part)
+            ra, rb = (r + part * more * by for r, more, by in zip((film.ra, film.rb), further, phases))
+            return _Film(ra, rb, even(sine, 0.0, part).t * np.exp(passed))
+
+        return _Once(way, mirrors, slab(1.0), slab)
 
     # many stacks
 
@@ -940,14 +943,14 @@ class _TrappedSlab:
         slab.known, slab.solved, slab._seen = self.known[:, row], _Film(*(x[row] for x in self.solved)), {}
         return slab
 
-    def phase(self, further: Any, sine: np.ndarray) -> np.ndarray:
-        """i k_z d of one way."""
-        return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * self.um)
+    def phase(self, further: Any, sine: np.ndarray, part: Any = 1.0) -> np.ndarray:
+        """i k_z d of one way, or of a part of it."""
+        return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * (self.um * part))
 
-    def film(self, further: Any, sine: np.ndarray, faces: Tuple[np.ndarray, np.ndarray]) -> _Film:
-        """The even film with or without its faces to the half-spaces."""
+    def film(self, further: Any, sine: np.ndarray, faces: Tuple[np.ndarray, np.ndarray], part: Any = 1.0) -> _Film:
+        """The even film with or without its faces to the half-spaces, or a part of its thickness."""
         squared = self.squared_index + further
-        way = np.exp(self.phase(further, sine))
+        way = np.exp(self.phase(further, sine, part))
         film = _Film(np.zeros_like(way), np.zeros_like(way), way)
         if faces[0].any():
             film = _face_between(self.before, squared, sine, self.p).then(film).where(faces[0], film)
@@ -955,9 +958,9 @@ class _TrappedSlab:
             film = film.then(_face_between(squared, self.behind, sine, self.p)).where(faces[1], film)
         return film
 
-    def _depths(self, further: Any, sine: np.ndarray) -> List[np.ndarray]:
-        once = self.phase(further, sine).imag
-        return [np.exp(2j * part * once) for part in (self.depth, 1.0 - self.depth)]
+    def _depths(self, further: Any, sine: np.ndarray, part: Any = 1.0) -> List[np.ndarray]:
+        once = self.phase(further, sine, part).imag
+        return [np.exp(2j * side * once) for side in (self.depth, 1.0 - self.depth)]
 
     def _logarithm(self, measured: np.ndarray, further: Any, sine: float, near: np.ndarray) -> np.ndarray:
         at = np.array([sine])
@@ -1000,9 +1003,14 @@ class _TrappedSlab:
         sine = sine[None, :]
         way = self.phase(squared, sine) + further
         if not self.mirrors.any():
-            return _Once(way, self.mirrors, None)
-        film, phases = self.film(squared, sine, self.faces), self._depths(squared, sine)
-        return _Once(way, self.mirrors, _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further)))
+            return _Once(way, self.mirrors)
+
+        def slab(part: Any) -> _Film:
+            film, phases = self.film(squared, sine, self.faces, part), self._depths(squared, sine, part)
+            ra, rb = (r + part * more * by for r, more, by in zip((film.ra, film.rb), (first, second), phases))
+            return _Film(ra, rb, film.t * np.exp(part * further))
+
+        return _Once(way, self.mirrors, slab(1.0), slab)
 
     def solved_powers(self, times: Any) -> _Film:
         """Powers of this number of them, or of several, in the known directions, as they were solved."""

@@ -164,22 +164,18 @@ const inkwave = (() => {
     const many = 1 / Math.max(1 - a.rb * b.ra, FAINT);
     return { ra: a.ra + a.t * a.t * b.ra * many, rb: b.rb + b.t * b.t * a.rb * many, t: a.t * b.t * many };
   }
-  /** Elements that are alike (Stokes), a part of one included; `way` tells between the logarithms of a part. */
-  function filmRepeated(a, count, way) {
+  /** Elements that are alike: of the whole ones doubled products, and behind them `part` of such a part of one. */
+  function filmRepeated(a, count, part) {
     if (count === 1) return a;
-    const mirrored = scale(ca(a.ra, a.rb), 0.5), there = Math.hypot(...mirrored) >= LOSSLESS;
-    let own = [0, 0];
-    if (there) {
-      const half = cd(cs(ca([1, 0], cm(mirrored, mirrored)), cm(a.t, a.t)), scale(mirrored, 2)), root = cq(cs(cm(half, half), [1, 0]));
-      const one = cs(half, root), other = ca(half, root);
-      own = cd([1, 0], cn(one) > cn(other) ? one : other);
+    let all = { ra: [0, 0], rb: [0, 0], t: [1, 0] }, power = a, whole = Math.floor(count);
+    while (whole > 0) {
+      if (whole % 2) all = filmThen(all, power);
+      whole = Math.floor(whole / 2);
+      if (whole) power = filmThen(power, power);
     }
-    const log = logOf(cd(a.t, cs([1, 0], cm(own, mirrored))));
-    log[1] += TAU * Math.round((way[1] - log[1]) / TAU);
-    const onward = ce(scale(log, count)), back = cm(onward, onward), square = cm(own, own), many = cd([1, 0], cs([1, 0], cm(square, back)));
-    const r = cm(cm(own, cs([1, 0], back)), many);
-    return { ra: r, rb: r, t: cm(cm(onward, cs([1, 0], square)), many) };
+    return count % 1 ? filmThen(all, part(count % 1)) : all;
   }
+  /** The same of powers, whatever the part (Stokes). */
   function powersRepeated(a, count) {
     if (count === 1) return a;
     const mirrored = 0.5 * (a.ra + a.rb);
@@ -507,12 +503,12 @@ const inkwave = (() => {
       const { amplitude, between: [before, behind] } = this.states(number, k, w, cell);
       const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]);
       const mirrors = mirrorsOf(position, [before, behind], index), inner = !mirrors[0] && !mirrors[1], depth = depthOf(mirrors);
-      const phase = sine => normal(index, sine).map(x => x * k0 * um);
-      const even = (sine, passed) => {
-        const f = phase(sine), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
+      const phase = (sine, part = 1) => normal(index, sine).map(x => x * k0 * um * part);
+      const even = (sine, passed, part = 1) => {
+        const f = phase(sine, part), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
         return inner ? through : filmThen(filmThen(plane(before, index, sine, pol), through), plane(index, behind, sine, pol));
       };
-      const depths = (sine, passed) => { const once = phase(sine)[0] + passed[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const depths = (sine, passed, part = 1) => { const once = phase(sine, part)[0] + passed[1]; return [depth, 1 - depth].map(side => [Math.cos(2 * side * once), Math.sin(2 * side * once)]); };
       const passed = this.known.map((sine, d) => {
         const onward = amplitude(0, d, pol, 1);
         let root = cq(cm(onward, amplitude(1, d, pol, 1)));
@@ -538,9 +534,12 @@ const inkwave = (() => {
         here[0] = Math.min(here[0], clearest);
         const f = phase(sine), way = [here[0] - f[1], here[1] + f[0]];
         if (inner) { const film = { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) }; return { film, own: powers(film) }; }
-        const film = even(sine, here), phases = depths(sine, here);
-        const one = { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0]).t, ce(here)) };
-        return { film: filmRepeated(one, times, way), own: powersRepeated(powers(one), times) };
+        const slab = part => {
+          const passed = scale(here, part), film = even(sine, passed, part), phases = depths(sine, passed, part).map(by => scale(by, part));
+          return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0], part).t, ce(passed)) };
+        };
+        const one = slab(1);
+        return { film: filmRepeated(one, times, slab), own: powersRepeated(powers(one), times) };
       };
       const turns = 2 * (index - Math.sqrt(Math.max(index * index - 1, 0))) * um * times / (1e-3 * this.nm[w]);
       return { at: sine => at(sine, lagrange(places, Math.sqrt(Math.max(1 - sine * sine, 0)))), turns };
@@ -678,14 +677,14 @@ const inkwave = (() => {
       const k0 = TAU / (1e-3 * this.nm[w]), before = [between[1] ** 2, 0], behind = [between[0] ** 2, 0];
       const faces = mirrorsOf(position, between, index).reverse(), inner = !faces[0] && !faces[1], depth = depthOf(faces);
       const squaredOf = further => [index * index + further[0], further[1]];
-      const phase = (further, sine) => { const n = goingOn(squaredOf(further), sine); return [-n[1] * k0 * um, n[0] * k0 * um]; };
-      const film = (further, sine, [first, last]) => {
+      const phase = (further, sine, part = 1) => { const n = goingOn(squaredOf(further), sine), way = k0 * um * part; return [-n[1] * way, n[0] * way]; };
+      const film = (further, sine, [first, last], part = 1) => {
         const squared = squaredOf(further);
-        let found = { ra: [0, 0], rb: [0, 0], t: ce(phase(further, sine)) };
+        let found = { ra: [0, 0], rb: [0, 0], t: ce(phase(further, sine, part)) };
         if (first) found = filmThen(faceBetween(before, squared, sine, pol), found);
         return last ? filmThen(found, faceBetween(squared, behind, sine, pol)) : found;
       };
-      const depths = (further, sine) => { const once = phase(further, sine)[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const depths = (further, sine, part = 1) => { const once = phase(further, sine, part)[1]; return [depth, 1 - depth].map(side => [Math.cos(2 * side * once), Math.sin(2 * side * once)]); };
       const logarithm = (measured, further, sine, near) => {
         const beside = cd(film(further, sine, [true, true]).t, ce(phase(further, sine))), log = logOf(cd(measured, cm(beside, ce(phase([0, 0], sine)))));
         return [log[0], log[1] - TAU * Math.round((log[1] - near) / TAU)];
@@ -728,10 +727,12 @@ const inkwave = (() => {
         });
         squared[1] = Math.max(squared[1], Math.min(...kept.map(d => known[d].squared[1])), 0);
         further[0] = Math.min(further[0], Math.max(...kept.map(d => known[d].further[0])));
-        const way = ca(phase(squared, sine), further);
-        if (inner) return { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) };
-        const own = film(squared, sine, faces), phases = depths(squared, sine);
-        return filmRepeated({ ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(further)) }, times, way);
+        if (inner) return { ra: [0, 0], rb: [0, 0], t: ce(scale(ca(phase(squared, sine), further), times)) };
+        const slab = part => {
+          const own = film(squared, sine, faces, part), phases = depths(squared, sine, part).map(by => scale(by, part));
+          return { ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(scale(further, part))) };
+        };
+        return filmRepeated(slab(1), times, slab);
       };
       const goesOn = Math.min(...between, index) > this.index - NARROWEST;
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
