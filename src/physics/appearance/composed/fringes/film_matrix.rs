@@ -143,8 +143,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     /// An even film between other media, cut into slabs that were each solved between these: the
-    /// steps to them cancel, and n slabs are the film. *Planted*: their mirroring left out; the part
-    /// of a slab left out.
+    /// steps to them cancel, and n slabs are the film. *Planted*: their mirroring left out; the
+    /// part of a slab left out.
     #[test]
     fn slabs_with_steps_are_the_film_of_their_thickness() {
         let (outside, index) = (Complex64::from(1.558), Complex64::new(1.47, 0.004));
@@ -171,8 +171,8 @@ mod tests {
     }
 
     /// What slabs and a part of one do goes on smoothly over the angle, also near half waves, where
-    /// noise in what they mirror has a band of its own. *Planted*: a root of the product in place of
-    /// doubled products (the amplitude jumped by 0.3).
+    /// noise in what they mirror has a band of its own. *Planted*: a root of the product in place
+    /// of doubled products (the amplitude jumped by 0.3).
     #[test]
     fn noise_near_half_waves_makes_no_jumps() {
         let (outside, index) = (Complex64::from(1.5), Complex64::new(1.47, 1e-4));
