@@ -7,11 +7,13 @@ The formulas are those of the program (`inkwave compose`), whose documentation e
 from __future__ import annotations
 
 import base64
+import copy
+import functools
 import json
 import math
 import pathlib
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -20,7 +22,7 @@ from ._program import InputError, remark
 
 __all__ = ["Composed", "Library"]
 
-FORM = 3
+FORM = 4
 _FAINT = 1e-9
 _NOTHING = 1e-9
 _PIECE, _PIECES, _MOST_FRINGES = 8, 16, 200.0
@@ -28,6 +30,7 @@ _MOST_SLABS = 4096.0
 _BLACK, _WHITE = 0.0, 0.8
 _PRINT_SINE = math.sin(math.radians(45.0))
 _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
+_LOSSLESS, _SAME_INDEX = 1e-12, 1e-9
 _STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
 _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
@@ -159,6 +162,64 @@ class _Film(NamedTuple):
         """Squared moduli."""
         return _Film(*(np.abs(x) ** 2 for x in self))
 
+    def where(self, here: np.ndarray, other: "_Film") -> "_Film":
+        """This in some places, in the others another."""
+        return self if here.all() else _Film(*(np.where(here, x, y) for x, y in zip(self, other))) if here.any() else other
+
+    def repeated(self, count: Any, part_of: Callable[[Any], "_Film"]) -> "_Film":
+        """This number of them one behind another, or several numbers (number, 1, 1), and behind the whole ones a part of one."""
+        count = np.asarray(count, float)
+        if (count == 1.0).all():
+            return self
+        zero = np.zeros_like(self.t)
+        total, power, whole = _Film(zero, zero, zero + 1.0), self, np.floor(count).astype(int)
+        while whole.any():
+            total = total.then(power).where(whole % 2 == 1, total)
+            whole = whole // 2
+            if whole.any():
+                power = power.then(power)
+        part = count % 1.0
+        total = total.then(part_of(part)).where(part > 0.0, total) if part.any() else total
+        return self.where(count == 1.0, total)
+
+    def powers_repeated(self, count: Any) -> "_Film":
+        """The same of powers, without interference (Stokes)."""
+        if np.equal(count, 1.0).all():
+            return self
+        mirrored = 0.5 * (self.ra + self.rb)
+        there, loses = mirrored >= _LOSSLESS, 1 - mirrored - self.t >= _LOSSLESS
+        some = np.where(there, mirrored, 1.0)
+        half = (1 + some**2 - self.t**2) / (2 * some)
+        own = np.where(there, 1 / (half + np.sqrt(np.maximum(half * half - 1, 0.0))), 0.0)
+        onward = (self.t / (1 - own * mirrored)) ** count
+        many = 1 / (1 - (own * onward) ** 2)
+        back = own * (1 - onward**2) * many
+        lossy = _Film(back, back, onward * (1 - own**2) * many)
+        through = self.t / (self.t + count * mirrored)
+        return self.where(np.equal(count, 1.0), lossy.where(loses | ~there, _Film(1 - through, 1 - through, through)))
+
+
+class _Once(NamedTuple):
+    """One slab as the mean wave meets it, whatever their number: the logarithm of the way through its medium, where it mirrors
+    (wavelength, 1), the film that it is there, and that of a part of it."""
+
+    way: np.ndarray
+    mirrors: np.ndarray
+    film: Optional[_Film] = None
+    part_of: Callable[[Any], _Film] = lambda part: _Film(part, part, part)
+
+    def repeated(self, count: Any, kind: int = 0) -> _Film:
+        """Amplitudes (kind 0) or powers (1) of this number of them, or of several numbers (number, 1, 1)."""
+        film = None
+        if self.film is not None:
+            film = self.film.powers().powers_repeated(count) if kind else self.film.repeated(count, self.part_of)
+            if self.mirrors.all():
+                return film
+        through = np.exp(self.way * count)
+        plain = _Film(np.zeros_like(through), np.zeros_like(through), through)
+        plain = plain.powers() if kind else plain
+        return plain if film is None else film.where(self.mirrors, plain)
+
 
 def _normal(index: Any, sine: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.asarray(index * index - sine * sine, complex))
@@ -200,6 +261,12 @@ class _Portion:
     @property
     def cells(self) -> int:
         return len(self.states) - 1
+
+    def mirrors(self, within: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Whether the medium ends at the front and at the back (wavelength): also within a layer, between half-spaces of another index."""
+        inside = self.between[:, 0 if self.position == "back" else 1]
+        stepped = (self.position != "whole") & (np.abs(inside - within) > _SAME_INDEX)
+        return stepped | (self.position in ("front", "whole")), stepped | (self.position in ("back", "whole"))
 
 
 class _Change(NamedTuple):
@@ -326,10 +393,9 @@ class Library:
         self._summed_nm = _STEP_NM * np.arange(first, last + 1)
         self._layers: Dict[Any, _Flux] = {}
         self._films: Dict[Any, List[Tuple[_Film, _Film]]] = {}
+        self._once: Dict[Any, _Once] = {}
         self._fringes: Dict[Any, List[Tuple[np.ndarray, np.ndarray]]] = {}
         self._turned_back: Dict[Any, _TrappedSlab] = {}
-        self._trapped_films: Dict[Any, Tuple[_Film, _Film]] = {}
-        self._trapped_turns: Dict[Any, Tuple[np.ndarray, np.ndarray]] = {}
         p = self._polarisations
         self._shares = {"scalar": [1.0], "s": [1.0, 0.0], "p": [0.0, 1.0]}.get(self._wave, [1.0 / p] * p)
         near = np.r_[0.0, self._sines[: self._near]]
@@ -506,13 +572,18 @@ class Library:
         places = [("front", 1.0), ("inner", count - 2.0), ("back", 1.0)]
         return [place for place in places if place[1] > 0.0]
 
-    def _state(self, number: int, position: str, change: _Change) -> Tuple[_Portion, _States]:
+    def _part(self, number: int, position: str, change: _Change) -> Tuple[int, int]:
+        """Number of a plate's portion, and of its states: 0 of the mean, then of those that leave out one cell each."""
         for k, portion in enumerate(self._portions[number]):
             if portion.position == position and portion.halved == change.halved:
                 out = change.left_out
-                cell = out[2] + 1 if out is not None and out[:2] == (number, k) else 0
-                return portion, portion.states[cell]
+                return k, out[2] + 1 if out is not None and out[:2] == (number, k) else 0
         raise InputError(f"plate {self._plates[number]['name']!r}: lacks a portion; gather the library again")
+
+    def _state(self, number: int, position: str, change: _Change) -> Tuple[_Portion, _States]:
+        k, cell = self._part(number, position, change)
+        portion = self._portions[number][k]
+        return portion, portion.states[cell]
 
     def _own(self, number: int, change: _Change) -> _Change:
         """The change as far as it is one of this plate's."""
@@ -550,72 +621,83 @@ class Library:
         if key not in self._films:
             found = []
             for p in range(self._polarisations):
-                films = self._elements(number, count, change, p, sines)
+                elements = self._elements(number, count, change, (p, tag), sines)
+                films = [(once.repeated(times), once.repeated(times, 1)) for once, times in elements]
                 if faces[0]:
-                    films.insert(0, _plane(1.0, self.joint_index, sines[None, :], p))
+                    front = _plane(1.0, self.joint_index, sines[None, :], p)
+                    films.insert(0, (front, front.powers()))
                 if faces[1]:
-                    films.append(_plane(self.joint_index, 1.0, sines[None, :], p))
-                whole, powers = films[0], films[0].powers()
-                for film in films[1:]:
-                    whole, powers = whole.then(film), powers.then(film.powers())
+                    back = _plane(self.joint_index, 1.0, sines[None, :], p)
+                    films.append((back, back.powers()))
+                whole, powers = films[0]
+                for film, own in films[1:]:
+                    whole, powers = whole.then(film), powers.then(own)
                 found.append((whole, powers))
             if len(self._films) >= _MOST_FILMS:
                 self._films.clear()
             self._films[key] = found
         return self._films[key]
 
-    def _elements(self, number: int, count: float, change: _Change, p: int, sines: np.ndarray) -> List[_Film]:
-        within = np.array(self._plates[number]["within"])
-        films = []
+    def _elements(self, number: int, count: float, change: _Change, seen: Tuple[int, Any], sines: np.ndarray) -> List[Tuple[_Once, float]]:
+        """The elements of a layer, and how many there are of each; `seen` is a polarisation and a name of the sines."""
+        found = []
         for position, times in self._places_of(count, change):
-            portion, states = self._state(number, position, change)
-            films.append(self._element(portion, states, within, times, p, change.fewer, sines))
-        return films
+            key = (number, self._part(number, position, change), change.fewer, seen)
+            if key not in self._once:
+                if len(self._once) >= _MOST_FILMS:
+                    self._once.clear()
+                portion, states = self._state(number, position, change)
+                within = np.array(self._plates[number]["within"])
+                self._once[key] = self._element(portion, states, within, seen[0], change.fewer, sines)
+            found.append((self._once[key], times))
+        return found
 
     def _turns(self, number: int, count: float, change: _Change, p: int) -> List[Tuple[np.ndarray, np.ndarray]]:
         """Fringes over the hemisphere of every element, and what of the light passes it at 0° and comes back."""
         key = (number, count, self._own(number, change)._replace(grid=False), p)
         if key in self._fringes:
             return self._fringes[key]
-        films = self._elements(number, count, change, p, np.array([0.0]))
+        elements = self._elements(number, count, change, (p, "normal"), np.array([0.0]))
         within = np.array(self._plates[number]["within"])
         found = self._fringes[key] = []
-        for (position, times), film in zip(self._places_of(count, change), films):
+        for (position, times), (once, _) in zip(self._places_of(count, change), elements):
             portion, _ = self._state(number, position, change)
             per_um = 2 * (within - np.sqrt(np.maximum(within**2 - 1.0, 0.0))) / (1e-3 * self.wavelengths_nm)
-            found.append((per_um * portion.thickness_um * times, np.abs(film.t[:, 0]) ** 2))
+            found.append((per_um * portion.thickness_um * times, once.repeated(times, 1).t[:, 0]))
         return found
 
-    def _trapped_slab(self, number: int, position: str, change: _Change, p: int) -> "_TrappedSlab":
-        key = (number, position, self._own(number, change)._replace(grid=False, fewer=False), p)
-        if key not in self._turned_back:
-            portion, states = self._state(number, position, change)
-            within = np.array(self._plates[number]["within"])
-            self._turned_back[key] = _TrappedSlab(self, portion, states, within, p)
-        return self._turned_back[key]
+    def _trapped_slab(self, number: int, part: Tuple[int, int], p: int) -> "_TrappedSlab":
+        """Of a part of a plate: the mean alone, or at once of all that leave out one cell each."""
+        k, cell = part
+        if (number, part, p) not in self._turned_back:
+            portion, within = self._portions[number][k], np.array(self._plates[number]["within"])
+            cells = [0] if cell == 0 else range(1, len(portion.states))
+            slabs = _TrappedSlab(self, portion, [portion.states[c] for c in cells], within, p)
+            self._turned_back.update(((number, (k, c), p), slabs.one(row)) for row, c in enumerate(cells))
+        return self._turned_back[number, part, p]
 
-    def _element(self, portion: _Portion, states: _States, within: np.ndarray, times: float, p: int, fewer: bool,
-                 sines: np.ndarray) -> _Film:
+    def _element(self, portion: _Portion, states: _States, within: np.ndarray, p: int, fewer: bool, sines: np.ndarray) -> _Once:
         um, index = portion.thickness_um, within[:, None]
         k0 = 2 * np.pi / (1e-3 * self.wavelengths_nm[:, None])
         before, behind = portion.between[:, :1], portion.between[:, 1:]
-        inner = portion.position == "inner"
-        depth = {"front": 0.0, "inner": 0.5, "whole": 0.5, "back": 1.0}[portion.position]
+        first, last = (mirrors[:, None] for mirrors in portion.mirrors(within))
+        mirrors = first | last
+        depth = 0.5 + 0.5 * (last & ~first) - 0.5 * (first & ~last)
 
-        def phase(sine: np.ndarray) -> np.ndarray:
-            return np.asarray(k0 * _normal(index, sine) * um)
+        def phase(sine: np.ndarray, part: Any = 1.0) -> np.ndarray:
+            return np.asarray(k0 * _normal(index, sine) * (um * part))
 
-        def even(sine: np.ndarray, passed: Any) -> _Film:
-            way = np.exp(1j * phase(sine) + passed)
+        def even(sine: np.ndarray, passed: Any, part: Any = 1.0) -> _Film:
+            way = np.exp(1j * phase(sine, part) + passed)
             zero = np.zeros_like(way)
             through = _Film(zero, zero, way)
-            if inner:
+            if not mirrors.any():
                 return through
-            return _plane(before, index, sine, p).then(through).then(_plane(index, behind, sine, p))
+            return _plane(before, index, sine, p).then(through).then(_plane(index, behind, sine, p)).where(mirrors, through)
 
-        def depths(sine: np.ndarray, passed: np.ndarray) -> List[np.ndarray]:
-            once = phase(sine).real + passed.imag
-            return [np.exp(2j * part * once) for part in (depth, 1.0 - depth)]
+        def depths(sine: np.ndarray, passed: np.ndarray, part: Any = 1.0) -> List[np.ndarray]:
+            once = phase(sine, part).real + passed.imag
+            return [np.exp(2j * side * once) for side in (depth, 1.0 - depth)]
 
         known = self._known[None, :]
         near = states.amplitudes[:, :, : self._known.size]
@@ -634,12 +716,18 @@ class Library:
         here = passed[:, kept] @ weights
         here = np.minimum(here.real, passed[:, kept].real.max(1, keepdims=True)) + 1j * here.imag
         sine = sines[None, :]
-        if inner:
-            t = np.exp((1j * phase(sine) + here) * times)
-            return _Film(np.zeros_like(t), np.zeros_like(t), t)
-        film, phases = even(sine, here), depths(sine, here)
-        straight = even(sine, 0.0).t * np.exp(here)
-        return _Film(film.ra + (beyond[0][:, kept] @ weights) * phases[0], film.rb + (beyond[1][:, kept] @ weights) * phases[1], straight)
+        way = 1j * phase(sine) + here
+        if not mirrors.any():
+            return _Once(way, mirrors)
+        further = [more[:, kept] @ weights for more in beyond]
+
+        def slab(part: Any) -> _Film:
+            passed = part * here
+            film, phases = even(sine, passed, part), depths(sine, passed, part)
+            ra, rb = (r + part * more * by for r, more, by in zip((film.ra, film.rb), further, phases))
+            return _Film(ra, rb, even(sine, 0.0, part).t * np.exp(passed))
+
+        return _Once(way, mirrors, slab(1.0), slab)
 
     # many stacks
 
@@ -800,96 +888,134 @@ def _log(x: np.ndarray) -> np.ndarray:
     return np.where(there, np.log(np.where(there, x, 1.0)), math.log(_FAINT) + 0j)
 
 
+class _Lit(NamedTuple):
+    """Sines in a zone beyond the critical angle of air by a name of theirs, and weights (sine, direction) of the directions kept there."""
+
+    tag: Any
+    kept: Tuple[int, ...]
+    weights: np.ndarray
+
+
 class _TrappedSlab:
     """A portion as light from the paper meets it beyond the critical angle of air, turned over: the even film of a complex index that
-    has its phase and its loss in every direction, and what is left over (wavelength, direction)."""
+    has its phase and its loss in every direction, and what is left over (wavelength, direction). At first of many means together, which
+    leave out other cells."""
 
-    def __init__(self, library: Library, portion: _Portion, states: _States, within: np.ndarray, p: int):
-        self.p, self.um, self.inner = p, portion.thickness_um, portion.position == "inner"
+    def __init__(self, library: Library, portion: _Portion, states: Sequence[_States], within: np.ndarray, p: int):
+        self.p, self.um = p, portion.thickness_um
         self.k0 = 2 * np.pi / (1e-3 * library.wavelengths_nm[:, None])
         self.squared_index = (within**2)[:, None]
         self.before, self.behind = portion.between[:, 1:] ** 2, portion.between[:, :1] ** 2
-        self.mirrors = {"front": (False, True), "inner": (False, False), "back": (True, False), "whole": (True, True)}[portion.position]
-        self.depth = {"front": 1.0, "inner": 0.5, "whole": 0.5, "back": 0.0}[portion.position]
+        behind, front = (mirrors[:, None] for mirrors in portion.mirrors(within))
+        self.faces, self.mirrors = (front, behind), front | behind
+        self.depth = 0.5 + 0.5 * (behind & ~front) - 0.5 * (front & ~behind)
+        self.both = np.ones_like(front), np.ones_like(front)
+        self._seen: Dict[Any, _Once] = {}
         least = np.minimum(portion.between.min(1), within)
         self.goes_on = least > library.joint_index - _NARROWEST
-        own = states.amplitudes[..., p, :]
-        onward = own[:, 1, :, 1]
-        root = np.sqrt(onward * own[:, 0, :, 1])
+        own = np.stack([one.amplitudes[..., p, :] for one in states])
+        onward = own[..., 1, :, 1]
+        root = np.sqrt(onward * own[..., 0, :, 1])
         measured = np.where((np.conj(root) * onward).real < 0, -root, root)
         sines, near = np.r_[0.0, library._sines], library._near
-        turned = np.zeros(within.size)
+        turned = np.zeros(measured.shape[:-1])
         known = []
         with np.errstate(all="ignore"):
             for d, sine in enumerate(sines):
                 if d <= near:
-                    turned = self._logarithm(measured[:, d], 0.0, sine, turned).imag
+                    turned = self._logarithm(measured[..., d], 0.0, sine, turned).imag
                     continue
-                squared, further, turned = self._even_of(measured[:, d], sine, turned)
+                squared, further, turned = self._even_of(measured[..., d], sine, turned)
                 at = np.array([sine])
-                film, phases = self.film(squared[:, None], at, (True, True)), self._depths(squared[:, None], at)
-                differences = [(own[:, 1 - side, d, 0] - (film.ra, film.rb)[side][:, 0]) * np.conj(phases[side][:, 0]) for side in (0, 1)]
+                film, phases = self.film(squared[..., None], at, self.both), self._depths(squared[..., None], at)
+                differences = [(own[..., 1 - side, d, 0] - r[..., 0]) * np.conj(phases[side][..., 0]) for side, r in enumerate((film.ra, film.rb))]
                 known.append(np.array([squared, further, *differences]))
-        # (what, wavelength, direction)
+        # (what, mean, wavelength, direction)
         self.known = np.stack(known, -1)
-        # powers of the mean wave as it was solved, from the paper's side (wavelength, direction)
+        # powers of the mean wave as it was solved, from the paper's side (mean, wavelength, direction)
         near_ones = slice(near + 1, sines.size)
-        back, front = (0.0 * np.abs(own[:, side, near_ones, 0]) if self.inner else np.abs(own[:, side, near_ones, 0]) ** 2 for side in (1, 0))
-        self.solved = _Film(back, front, np.abs(measured[:, near_ones]) ** 2)
+        powers = _Film(*(np.abs(x[..., near_ones]) ** 2 for x in (own[..., 1, :, 0], own[..., 0, :, 0], measured)))
+        self.solved = powers.where(self.mirrors, _Film(0 * powers.ra, 0 * powers.rb, powers.t))
 
-    def phase(self, further: Any, sine: np.ndarray) -> np.ndarray:
-        """i k_z d of one way."""
-        return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * self.um)
+    def one(self, row: int) -> "_TrappedSlab":
+        """One of the means."""
+        slab = copy.copy(self)
+        slab.known, slab.solved, slab._seen = self.known[:, row], _Film(*(x[row] for x in self.solved)), {}
+        return slab
 
-    def film(self, further: Any, sine: np.ndarray, faces: Tuple[bool, bool]) -> _Film:
-        """The even film with or without its faces to the half-spaces."""
+    def phase(self, further: Any, sine: np.ndarray, part: Any = 1.0) -> np.ndarray:
+        """i k_z d of one way, or of a part of it."""
+        return np.asarray(1j * self.k0 * _going_on(self.squared_index + further, sine) * (self.um * part))
+
+    def film(self, further: Any, sine: np.ndarray, faces: Tuple[np.ndarray, np.ndarray], part: Any = 1.0) -> _Film:
+        """The even film with or without its faces to the half-spaces, or a part of its thickness."""
         squared = self.squared_index + further
-        way = np.exp(self.phase(further, sine))
+        way = np.exp(self.phase(further, sine, part))
         film = _Film(np.zeros_like(way), np.zeros_like(way), way)
-        if faces[0]:
-            film = _face_between(self.before, squared, sine, self.p).then(film)
-        return film.then(_face_between(squared, self.behind, sine, self.p)) if faces[1] else film
+        if faces[0].any():
+            film = _face_between(self.before, squared, sine, self.p).then(film).where(faces[0], film)
+        if faces[1].any():
+            film = film.then(_face_between(squared, self.behind, sine, self.p)).where(faces[1], film)
+        return film
 
-    def _depths(self, further: Any, sine: np.ndarray) -> List[np.ndarray]:
-        once = self.phase(further, sine).imag
-        return [np.exp(2j * part * once) for part in (self.depth, 1.0 - self.depth)]
+    def _depths(self, further: Any, sine: np.ndarray, part: Any = 1.0) -> List[np.ndarray]:
+        once = self.phase(further, sine, part).imag
+        return [np.exp(2j * side * once) for side in (self.depth, 1.0 - self.depth)]
 
     def _logarithm(self, measured: np.ndarray, further: Any, sine: float, near: np.ndarray) -> np.ndarray:
         at = np.array([sine])
         further = np.asarray(further)[..., None] if np.ndim(further) else further
-        faces = self.film(further, at, (True, True)).t / np.exp(self.phase(further, at))
-        log = _log(measured / (faces * np.exp(self.phase(0.0, at)))[:, 0])
+        faces = self.film(further, at, self.both).t / np.exp(self.phase(further, at))
+        log = _log(measured / (faces * np.exp(self.phase(0.0, at)))[..., 0])
         return np.asarray(log - 2j * np.pi * np.round((log.imag - near) / (2 * np.pi)))
 
     def _even_of(self, measured: np.ndarray, sine: float, near: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         at = np.array([sine])
         plain = self.phase(0.0, at)[:, 0]
         first = log = self._logarithm(measured, 0.0, sine, near)
-        squared = np.zeros(measured.size, complex)
-        sound = np.ones(measured.size, bool)
+        squared = np.zeros(measured.shape, complex)
+        sound = np.ones(measured.shape, bool)
         for _ in range(_ROUNDS):
             going = (plain + log) / (1j * self.k0[:, 0] * self.um)
             squared = np.where(sound, going * going + sine * sine - self.squared_index[:, 0], squared)
             sound &= np.isfinite(squared) & (np.abs(squared) < _FURTHEST)
             squared = np.where(sound, squared, 0.0)
             log = np.where(sound, self._logarithm(measured, squared, sine, log.imag), first)
-        left = _log(measured / self.film(squared[:, None], at, (True, True)).t[:, 0])
+        left = _log(measured / self.film(squared[..., None], at, self.both).t[..., 0])
         sound &= np.abs(left) < 0.1 * np.abs(first) + _FAINT
         return np.where(sound, squared, 0.0), np.where(sound, left, first), np.where(sound, log.imag, first.imag)
 
-    def at(self, weights: np.ndarray, sine: np.ndarray, kept: Sequence[int], times: float) -> _Film:
-        """At sines; weights (sine, direction kept) of the known directions."""
+    def at(self, sine: np.ndarray, lit: _Lit) -> _Once:
+        """One of them at sines."""
+        if lit.tag not in self._seen:
+            if len(self._seen) >= _MOST_FILMS:
+                self._seen.clear()
+            self._seen[lit.tag] = self._found(sine, lit)
+        return self._seen[lit.tag]
+
+    def _found(self, sine: np.ndarray, lit: _Lit) -> _Once:
+        kept, weights = list(lit.kept), lit.weights
         own = self.known[..., kept]
         squared, further, first, second = own @ weights.T
         least = np.maximum(own[0].imag.min(1, keepdims=True), 0.0)
         squared = squared.real + 1j * np.maximum(squared.imag, least)
         further = np.minimum(further.real, own[1].real.max(1, keepdims=True)) + 1j * further.imag
         sine = sine[None, :]
-        if self.inner:
-            t = np.exp((self.phase(squared, sine) + further) * times)
-            return _Film(np.zeros_like(t), np.zeros_like(t), t)
-        film, phases = self.film(squared, sine, self.mirrors), self._depths(squared, sine)
-        return _Film(film.ra + first * phases[0], film.rb + second * phases[1], film.t * np.exp(further))
+        way = self.phase(squared, sine) + further
+        if not self.mirrors.any():
+            return _Once(way, self.mirrors)
+
+        def slab(part: Any) -> _Film:
+            film, phases = self.film(squared, sine, self.faces, part), self._depths(squared, sine, part)
+            ra, rb = (r + part * more * by for r, more, by in zip((film.ra, film.rb), (first, second), phases))
+            return _Film(ra, rb, film.t * np.exp(part * further))
+
+        return _Once(way, self.mirrors, slab(1.0), slab)
+
+    def solved_powers(self, times: Any) -> _Film:
+        """Powers of this number of them, or of several, in the known directions, as they were solved."""
+        plain = self.solved._replace(t=self.solved.t**times)
+        return self.solved.powers_repeated(times).where(self.mirrors, plain) if self.mirrors.any() else plain
 
 
 class _TrappedStacks:
@@ -900,81 +1026,85 @@ class _TrappedStacks:
         self.library, self.stacks, self.p, self.joint = library, stacks, p, library.joint_index
         self.sines = library._sines[library._near:]
         self.places = self._place(self.sines)
-        self.every = list(range(self.sines.size))
         fewer = stacks[0].change.fewer and self.sines.size > 1
-        self.kept = [d for d in self.every if not (fewer and d == self.sines.size // 2)]
-        self.goes_on = np.array([np.all([slab.goes_on for layer in stack.layers for slab, _ in self._slabs(layer, stack.change)], axis=0)
-                                 for stack in stacks])
+        self.kept = tuple(d for d in range(self.sines.size) if not (fewer and d == self.sines.size // 2))
+        self.alike = [self._alike(place) for place in range(len(stacks[0].layers))]
+        self.goes_on = np.ones((len(stacks), library.wavelengths_nm.size), bool)
+        for groups in self.alike:
+            for some, slabs in groups:
+                self.goes_on[some] &= np.all([slab.goes_on for slab, _ in slabs], axis=0)
 
     def _place(self, sine: np.ndarray) -> np.ndarray:
         return np.asarray(np.sqrt(np.maximum(self.joint**2 - sine * sine, 0.0)))
 
-    def _slabs(self, layer: Tuple[int, float], change: _Change) -> List[Tuple[_TrappedSlab, float]]:
-        """The slabs of a layer as the light from the paper meets them, and how many there are of each."""
-        places = reversed(self.library._places_of(layer[1], change))
-        return [(self.library._trapped_slab(layer[0], position, change, self.p), times) for position, times in places]
+    def _lit(self, sine: np.ndarray, tag: Any) -> _Lit:
+        return _Lit((tag, self.kept), self.kept, _lagrange(self.places[list(self.kept)], self._place(sine)))
 
-    def _layer(self, layer: Tuple[int, float], change: _Change, sine: np.ndarray, kept: Sequence[int], tag: Any) -> Tuple[_Film, _Film]:
-        """A layer with and without interference between its slabs (wavelength, sine)."""
-        films = self.library._trapped_films
-        key = (layer, self.library._own(layer[0], change)._replace(grid=False, fewer=False), self.p, tuple(kept), tag)
-        if key not in films:
-            weights = _lagrange(self.places[kept], self._place(sine))
-            all_ = [slab.at(weights, sine, kept, times) for slab, times in self._slabs(layer, change)]
-            whole, powers = all_[0], all_[0].powers()
-            for film in all_[1:]:
-                whole, powers = whole.then(film), powers.then(film.powers())
-            if len(films) >= 16 * _MOST_FILMS:
-                films.clear()
-            films[key] = whole, powers
-        return films[key]
-
-    def _fields(self, some: np.ndarray, sine: np.ndarray, kept: Sequence[int], tag: Any) -> List[np.ndarray]:
-        """R of the mean field of some of the stacks with interference and without it."""
-        face = _face_between(self.joint**2, 1.0, sine[None, :], self.p)
+    def _alike(self, place: int) -> List[Tuple[np.ndarray, List[Tuple[_TrappedSlab, np.ndarray]]]]:
+        """The layers at one place by the slabs that they are made of: numbers of the stacks, and from the air on their slabs with how
+        many there are of each (stack, 1, 1)."""
+        groups: Dict[Any, List[Tuple[int, List[float]]]] = {}
+        for k, stack in enumerate(self.stacks):
+            number, count = stack.layers[place]
+            positions, times = zip(*self.library._places_of(count, stack.change))
+            parts = tuple(self.library._part(number, position, stack.change) for position in positions)
+            groups.setdefault((number, parts), []).append((k, times))
         found = []
-        for kind, last in enumerate((face, face.powers())):
-            whole: Optional[_Film] = None
-            for place in reversed(range(len(self.stacks[0].layers))):
-                of = [self._layer(self.stacks[k].layers[place], self.stacks[k].change, sine, kept, tag)[kind] for k in some]
-                film = _Film(*(np.array(x) for x in zip(*of)))
-                whole = film if whole is None else whole.then(film)
-            assert whole is not None
-            r = whole.then(last).ra
-            r = np.abs(r) ** 2 if kind == 0 else r
-            found.append(np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0))
+        for (number, parts), members in groups.items():
+            times = np.array([own for _, own in members])[..., None, None]
+            slabs = [(self.library._trapped_slab(number, part, self.p), times[:, k]) for k, part in enumerate(parts)]
+            found.append((np.array([k for k, _ in members]), slabs))
         return found
+
+    def _turned_back(self, some: np.ndarray, face: np.ndarray, kind: int, film_of: Any) -> np.ndarray:
+        """What comes back to the paper in some of the stacks, of waves (kind 0) or powers (1): from the air on every slab is put before
+        what lies behind it; `film_of` a slab and numbers of it are its amplitudes or powers."""
+        row = np.full(len(self.stacks), -1)
+        row[some] = np.arange(some.size)
+        back = np.array(np.broadcast_to(face, (some.size, self.goes_on.shape[1], face.shape[-1])))
+        for groups in self.alike:
+            for members, slabs in groups:
+                here = row[members] >= 0
+                if not here.any():
+                    continue
+                rows = row[members[here]]
+                own = back[rows]
+                for slab, times in slabs:
+                    film = film_of(slab, 1.0 if (times == 1.0).all() else times[here])
+                    least = 1 - film.rb * own
+                    own = film.ra + film.t**2 * own / (np.maximum(least, _FAINT) if kind else least)
+                back[rows] = own
+        return back
+
+    def _field(self, some: np.ndarray, sine: np.ndarray, kind: int, lit: _Lit) -> np.ndarray:
+        """R of the mean field of some of the stacks, with interference (kind 0) or without it (1)."""
+        face = _face_between(self.joint**2, 1.0, sine[None, :], self.p)
+
+        def film_of(slab: _TrappedSlab, times: Any) -> _Film:
+            film = slab.at(sine, lit).repeated(times)
+            return film.powers() if kind else film
+
+        r = self._turned_back(some, (face.powers() if kind else face).ra, kind, film_of)
+        r = r if kind else np.abs(r) ** 2
+        return np.minimum(np.where(np.isfinite(r), r, 1.0), 1.0)
 
     def _solved(self) -> np.ndarray:
         """R of the mean field without interference between the slabs, as they were solved (stack, wavelength, direction)."""
         face = _face_between(self.joint**2, 1.0, self.sines[None, :], self.p).powers()
-        found = []
-        for stack in self.stacks:
-            whole: Optional[_Film] = None
-            for layer in reversed(stack.layers):
-                for slab, times in self._slabs(layer, stack.change):
-                    film = slab.solved._replace(t=slab.solved.t**times)
-                    whole = film if whole is None else whole.then(film)
-            assert whole is not None
-            found.append(np.minimum(whole.then(face).ra, 1.0))
-        return np.array(found)
+        every = np.arange(len(self.stacks))
+        return np.minimum(self._turned_back(every, face.ra, 1, _TrappedSlab.solved_powers), 1.0)
 
-    def _fringes(self, stack: _Stack) -> Tuple[np.ndarray, np.ndarray]:
-        """Fringes over the zone, and what of the light comes to the air (wavelength)."""
+    def _fringes(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Fringes over the zone, and what of the light comes to the air (stack, wavelength)."""
         edge = np.array([1.0])
-        weights = _lagrange(self.places[self.kept], self._place(edge))
-        fringes, seen = np.zeros(self.goes_on.shape[1]), np.ones(self.goes_on.shape[1])
-        for layer in stack.layers:
-            key = (layer, self.library._own(layer[0], stack.change)._replace(grid=False, fewer=False), self.p, tuple(self.kept), "fringes")
-            if key not in self.library._trapped_turns:
-                turns, passed = np.zeros_like(fringes), np.ones_like(seen)
-                for slab, times in self._slabs(layer, stack.change):
+        lit = self._lit(edge, "edge")
+        fringes, seen = np.zeros(self.goes_on.shape), np.ones(self.goes_on.shape)
+        for groups in self.alike:
+            for some, slabs in groups:
+                for slab, times in slabs:
                     phases = [_going_on(slab.squared_index[:, 0], np.array(sine)).real for sine in (1.0, self.joint)]
-                    turns += 2 * (phases[0] - phases[1]) * slab.um * times * slab.k0[:, 0] / (2 * np.pi)
-                    passed *= np.abs(slab.at(weights, edge, self.kept, times).t[:, 0]) ** 2
-                self.library._trapped_turns[key] = turns, passed
-            turns, passed = self.library._trapped_turns[key]
-            fringes, seen = fringes + turns, seen * passed
+                    fringes[some] += times[..., 0] * 2 * (phases[0] - phases[1]) * slab.um * slab.k0[:, 0] / (2 * np.pi)
+                    seen[some] *= np.abs(slab.at(edge, lit).repeated(times).t[..., 0]) ** 2
         return fringes, seen
 
     def change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
@@ -989,8 +1119,8 @@ class _TrappedStacks:
         safe = np.where(lost < _NOTHING, 1.0, lost)
         together = np.maximum((r + t - field) / safe, 0.0)
         back = np.minimum(np.maximum((r - field) / safe, 0.0), together)
-        shares = [np.where(lost < _NOTHING, x, y)[..., self.kept] for x, y in ((r, back), (t, together - back))]
-        fringes, seen = (np.array(x) for x in zip(*(self._fringes(stack) for stack in self.stacks)))
+        shares = [np.where(lost < _NOTHING, x, y)[..., list(self.kept)] for x, y in ((r, back), (t, together - back))]
+        fringes, seen = self._fringes()
         interferes = (seen >= _FAINT) & (fringes <= _MOST_FRINGES)
         begun = np.where(interferes, np.maximum(np.ceil(fringes / _FRINGES_OF_A_PIECE), 1.0), 1.0)
         width = math.sqrt(self.joint**2 - 1.0)
@@ -1007,8 +1137,11 @@ class _TrappedStacks:
             angle = 0.5 * np.pi * (start + size * nodes)
             place = width * np.cos(angle)
             sine = np.sqrt(np.maximum(self.joint**2 - place * place, 0.0))
-            mean = np.where(interferes[some][..., None], *self._fields(some, sine, self.kept, (start, size)))
-            by = _lagrange(self.places[self.kept], self._place(sine)).T
+            lit, coherent = self._lit(sine, (start, size)), interferes[some]
+            kinds = [kind for kind, any_ in enumerate(((of[some] & coherent).any(), (of[some] & ~coherent).any())) if any_]
+            fields = [self._field(some, sine, kind, lit) for kind in kinds]
+            mean = np.where(coherent[..., None], fields[0], fields[-1])
+            by = lit.weights.T
             reflected = np.clip(shares[0][some] @ by, 0.0, 1.0)
             transmitted = np.minimum(np.maximum(shares[1][some] @ by, 0.0), 1.0 - reflected)
             found = 0.5 * np.pi * width * width * np.sin(2 * angle) * np.array([mean + (1 - mean) * reflected, (1 - mean) * transmitted])
@@ -1524,6 +1657,7 @@ def _etendues(index: float, joint: float, directions: Sequence[int]) -> np.ndarr
     return np.concatenate(weights)
 
 
+@functools.lru_cache(maxsize=None)
 def _radau(count: int) -> np.ndarray:
     """Weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1, with rising nodes (Jacobi's polynomials)."""
     k = np.arange(1, count)

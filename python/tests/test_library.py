@@ -105,7 +105,7 @@ class Library(unittest.TestCase):
 
     def test_refusals_say_what_is_allowed(self):
         cases = [
-            ({"layers": []}, "layers"), ({"layers": [{"plate": "gold"}]}, "allowed are red, light, white, pale"),
+            ({"layers": []}, "layers"), ({"layers": [{"plate": "gold"}]}, "allowed are red, light, white, pale, foam"),
             ({"layers": [{"plate": "red", "thickness_um": 0.7}]}, "allowed 0.5"),
             ({"layers": [{"plate": "white", "thickness_um": 0.6}]}, "two slabs"),
             ({"layers": [{"plate": "red"}], "paper": {"albedo": 1.2}}, "paper.albedo"),
@@ -128,8 +128,8 @@ class Library(unittest.TestCase):
         taken = {"layers": ["red"], "dots": {"coverage": np.float32(0.5), "ruling_per_cm": np.int64(60), "spread_um": 40}}
         self.assertEqual(self.library.compose(taken).lab.shape, (1, 3))
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 3"):
-            iw.Library({**content, "inkwave_library": 4})
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 4"):
+            iw.Library({**content, "inkwave_library": 5})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         with self.assertRaisesRegex(iw.InputError, "damaged"):

@@ -3,11 +3,13 @@
 "use strict";
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
-  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 3, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 4, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
   const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
   const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3;
   const sum = list => list.reduce((a, b) => a + b, 0);
   const range = n => Array.from({ length: n }, (_, k) => k);
+  // viewing angles of a strip, as in the pictures of runs; the rule of their sines
+  const VIEW_DEG = range(21).map(k => 3 * k), VIEWED = -1;
 
   // Matrices: { n: rows, m: columns, x: row by row }
   const zeros = (n, m) => ({ n, m, x: new Float64Array(n * m) });
@@ -162,6 +164,34 @@ const inkwave = (() => {
     const many = 1 / Math.max(1 - a.rb * b.ra, FAINT);
     return { ra: a.ra + a.t * a.t * b.ra * many, rb: b.rb + b.t * b.t * a.rb * many, t: a.t * b.t * many };
   }
+  /** Elements that are alike: of the whole ones doubled products, and behind them `part` of such a part of one. */
+  function filmRepeated(a, count, part) {
+    if (count === 1) return a;
+    let all = { ra: [0, 0], rb: [0, 0], t: [1, 0] }, power = a, whole = Math.floor(count);
+    while (whole > 0) {
+      if (whole % 2) all = filmThen(all, power);
+      whole = Math.floor(whole / 2);
+      if (whole) power = filmThen(power, power);
+    }
+    return count % 1 ? filmThen(all, part(count % 1)) : all;
+  }
+  /** The same of powers, whatever the part (Stokes). */
+  function powersRepeated(a, count) {
+    if (count === 1) return a;
+    const mirrored = 0.5 * (a.ra + a.rb);
+    if (mirrored < LOSSLESS) return { ra: 0, rb: 0, t: a.t ** count };
+    if (1 - mirrored - a.t < LOSSLESS) { const t = a.t / (a.t + count * mirrored); return { ra: 1 - t, rb: 1 - t, t }; }
+    const half = (1 + mirrored * mirrored - a.t * a.t) / (2 * mirrored), own = 1 / (half + Math.sqrt(Math.max(half * half - 1, 0)));
+    const onward = (a.t / (1 - own * mirrored)) ** count, back = onward * onward, many = 1 / (1 - own * own * back), r = own * (1 - back) * many;
+    return { ra: r, rb: r, t: onward * (1 - own * own) * many };
+  }
+  /** Whether the medium of a portion ends at its front and at its back: within a layer too, between half-spaces of another index. */
+  function mirrorsOf(position, [before, behind], within) {
+    const stepped = position !== "whole" && Math.abs((position === "back" ? before : behind) - within) > SAME_INDEX;
+    return [stepped || position === "front" || position === "whole", stepped || position === "back" || position === "whole"];
+  }
+  /** The depth at which the wave is mirrored, as a part of the thickness. */
+  const depthOf = ([front, back]) => front === back ? 0.5 : front ? 0 : 1;
   /** n cos θ of a real index: real, or decaying. */
   const normal = (index, sine) => { const s = index * index - sine * sine; return s >= 0 ? [Math.sqrt(s), 0] : [0, Math.sqrt(-s)]; };
   function plane(before, behind, sine, p) {
@@ -467,18 +497,18 @@ const inkwave = (() => {
       return this.fluxes.get(key);
     }
 
-    /** One element as the mean wave meets it: a function of the sine. */
+    /** One element as the mean wave meets it: waves and powers as functions of the sine. */
     element(number, position, times, change, w, pol) {
       const [k, cell] = this.portionOf(number, position, change), plate = this.content.plates[number];
       const { amplitude, between: [before, behind] } = this.states(number, k, w, cell);
-      const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]), inner = position === "inner";
-      const depth = { front: 0, inner: 0.5, whole: 0.5, back: 1 }[position];
-      const phase = sine => normal(index, sine).map(x => x * k0 * um);
-      const even = (sine, passed) => {
-        const f = phase(sine), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
+      const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]);
+      const mirrors = mirrorsOf(position, [before, behind], index), inner = !mirrors[0] && !mirrors[1], depth = depthOf(mirrors);
+      const phase = (sine, part = 1) => normal(index, sine).map(x => x * k0 * um * part);
+      const even = (sine, passed, part = 1) => {
+        const f = phase(sine, part), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
         return inner ? through : filmThen(filmThen(plane(before, index, sine, pol), through), plane(index, behind, sine, pol));
       };
-      const depths = (sine, passed) => { const once = phase(sine)[0] + passed[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const depths = (sine, passed, part = 1) => { const once = phase(sine, part)[0] + passed[1]; return [depth, 1 - depth].map(side => [Math.cos(2 * side * once), Math.sin(2 * side * once)]); };
       const passed = this.known.map((sine, d) => {
         const onward = amplitude(0, d, pol, 1);
         let root = cq(cm(onward, amplitude(1, d, pol, 1)));
@@ -502,9 +532,14 @@ const inkwave = (() => {
           for (const side of [0, 1]) beyond[side] = add(beyond[side], weight, reflected[d][side]);
         });
         here[0] = Math.min(here[0], clearest);
-        if (inner) { const f = phase(sine); return { ra: [0, 0], rb: [0, 0], t: ce([(here[0] - f[1]) * times, (here[1] + f[0]) * times]) }; }
-        const film = even(sine, here), phases = depths(sine, here);
-        return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0]).t, ce(here)) };
+        const f = phase(sine), way = [here[0] - f[1], here[1] + f[0]];
+        if (inner) { const film = { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) }; return { film, own: powers(film) }; }
+        const slab = part => {
+          const passed = scale(here, part), film = even(sine, passed, part), phases = depths(sine, passed, part).map(by => scale(by, part));
+          return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0], part).t, ce(passed)) };
+        };
+        const one = slab(1);
+        return { film: filmRepeated(one, times, slab), own: powersRepeated(powers(one), times) };
       };
       const turns = 2 * (index - Math.sqrt(Math.max(index * index - 1, 0))) * um * times / (1e-3 * this.nm[w]);
       return { at: sine => at(sine, lagrange(places, Math.sqrt(Math.max(1 - sine * sine, 0)))), turns };
@@ -519,24 +554,25 @@ const inkwave = (() => {
         sines.forEach((sine, k) => {
           let whole = null, power = null;
           for (const element of elements) {
-            const film = element.at(sine), own = powers(film);
+            const { film, own } = element.at(sine);
             whole = whole ? filmThen(whole, film) : film;
             power = power ? powersThen(power, own) : own;
           }
           coherent.set([...whole.ra, ...whole.rb, ...whole.t], 6 * k);
           without.set([power.ra, power.rb, power.t], 3 * k);
         });
-        const turns = elements.map(element => [element.turns, cn(element.at(0).t)]);
+        const turns = elements.map(element => [element.turns, cn(element.at(0).film.t)]);
         this.films.set(key, { coherent, without, turns });
       }
       return this.films.get(key);
     }
 
-    /** Sines of the mean over the hemisphere, of 0 pieces those that are needed besides: known ones, then 45°. */
+    /** Sines of the mean over the hemisphere, of 0 pieces those that are needed besides: known ones, then 45°; or those of a strip. */
     rule(pieces) {
       if (!this.rules.has(pieces)) {
         const sines = [], weights = [];
         if (pieces === 0) sines.push(...this.known, LIT);
+        if (pieces === VIEWED) sines.push(...VIEW_DEG.map(deg => Math.sin(Math.PI / 180 * deg)));
         for (let k = 0; k < pieces; k++) for (const [x, weight] of PIECE_RULE) {
           const place = (k + x) / pieces;
           sines.push(Math.sqrt(Math.max(1 - place * place, 0)));
@@ -639,16 +675,16 @@ const inkwave = (() => {
       if (this.turnedBack.has(key)) return this.turnedBack.get(key);
       const plate = this.content.plates[number], { amplitude, between } = this.states(number, k, w, cell), um = plate.portions[k].thickness_um, index = plate.within[w];
       const k0 = TAU / (1e-3 * this.nm[w]), before = [between[1] ** 2, 0], behind = [between[0] ** 2, 0];
-      const faces = { front: [false, true], inner: [false, false], back: [true, false], whole: [true, true] }[position], depth = { front: 1, inner: 0.5, whole: 0.5, back: 0 }[position];
+      const faces = mirrorsOf(position, between, index).reverse(), inner = !faces[0] && !faces[1], depth = depthOf(faces);
       const squaredOf = further => [index * index + further[0], further[1]];
-      const phase = (further, sine) => { const n = goingOn(squaredOf(further), sine); return [-n[1] * k0 * um, n[0] * k0 * um]; };
-      const film = (further, sine, [first, last]) => {
+      const phase = (further, sine, part = 1) => { const n = goingOn(squaredOf(further), sine), way = k0 * um * part; return [-n[1] * way, n[0] * way]; };
+      const film = (further, sine, [first, last], part = 1) => {
         const squared = squaredOf(further);
-        let found = { ra: [0, 0], rb: [0, 0], t: ce(phase(further, sine)) };
+        let found = { ra: [0, 0], rb: [0, 0], t: ce(phase(further, sine, part)) };
         if (first) found = filmThen(faceBetween(before, squared, sine, pol), found);
         return last ? filmThen(found, faceBetween(squared, behind, sine, pol)) : found;
       };
-      const depths = (further, sine) => { const once = phase(further, sine)[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const depths = (further, sine, part = 1) => { const once = phase(further, sine, part)[1]; return [depth, 1 - depth].map(side => [Math.cos(2 * side * once), Math.sin(2 * side * once)]); };
       const logarithm = (measured, further, sine, near) => {
         const beside = cd(film(further, sine, [true, true]).t, ce(phase(further, sine))), log = logOf(cd(measured, cm(beside, ce(phase([0, 0], sine)))));
         return [log[0], log[1] - TAU * Math.round((log[1] - near) / TAU)];
@@ -678,7 +714,7 @@ const inkwave = (() => {
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
         near = last;
-        const solved = position === "inner" ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
+        const solved = inner ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
         known.push({ squared, further, solved: { ra: solved[0], rb: solved[1], t: cn(measured) }, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
       });
       const at = (weights, kept, sine, times) => {
@@ -691,13 +727,16 @@ const inkwave = (() => {
         });
         squared[1] = Math.max(squared[1], Math.min(...kept.map(d => known[d].squared[1])), 0);
         further[0] = Math.min(further[0], Math.max(...kept.map(d => known[d].further[0])));
-        if (position === "inner") return { ra: [0, 0], rb: [0, 0], t: ce(scale(ca(phase(squared, sine), further), times)) };
-        const own = film(squared, sine, faces), phases = depths(squared, sine);
-        return { ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(further)) };
+        if (inner) return { ra: [0, 0], rb: [0, 0], t: ce(scale(ca(phase(squared, sine), further), times)) };
+        const slab = part => {
+          const own = film(squared, sine, faces, part), phases = depths(squared, sine, part).map(by => scale(by, part));
+          return { ra: ca(own.ra, cm(reflected[0], phases[0])), rb: ca(own.rb, cm(reflected[1], phases[1])), t: cm(own.t, ce(scale(further, part))) };
+        };
+        return filmRepeated(slab(1), times, slab);
       };
       const goesOn = Math.min(...between, index) > this.index - NARROWEST;
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
-      const solved = (d, times) => position === "inner" ? { ...known[d].solved, t: known[d].solved.t ** times } : known[d].solved;
+      const solved = (d, times) => inner ? { ...known[d].solved, t: known[d].solved.t ** times } : powersRepeated(known[d].solved, times);
       this.turnedBack.set(key, { at, solved, goesOn, turns });
       return this.turnedBack.get(key);
     }
@@ -823,19 +862,53 @@ const inkwave = (() => {
       const total = sum(behind), up = times(plate.tba, { n: behind.length, m: 1, x: Float64Array.from(behind, x => x / total) }).x;
       const towards = column => sum(range(p).flatMap(pol => range(near).map(node => p * shares[pol] * nodeShares[node] / this.weights[node] * column(1 + node * p + pol))));
       const alone = towards(k => plate.ra.x[k * plate.ra.m]), outwards = towards(k => up[k]);
-      const on = (albedo, seen) => ratio(1 - albedo * back[0], 1 - albedo * reflected) * seen * albedo * light[1] / (1 - albedo * back[0]);
+      const returns = albedo => ratio(1 - albedo * back[0], 1 - albedo * reflected) * albedo / (1 - albedo * back[0]);
+      const on = (albedo, seen) => returns(albedo) * seen * light[1];
       const litAt = albedo => alone + throughNormal * through45 * on(albedo, outwards);
       const albedo = job.albedo[w], solid = litAt(albedo), lost = 1 - reflected, out = changedLight[1] / index ** 2;
       const series = slanted[1] * out * albedo / ((1 - albedo) + albedo * lost);
       const area = { own: alone, entering: slanted[1], leaving: out * ratio(solid - alone, series), lost };
+      const viewed = () => this.viewed(job, w, tables.map(table => table.sides[0]), sums, returns(albedo) * sum([...up]) * leaving);
       return {
-        area, sky: changed(ontoLit, diffuseLit)[1],
+        area, viewed, sky: changed(ontoLit, diffuseLit)[1],
         numbers: {
           reflectance_normal: changedLight[0], transmittance_normal: changedLight[1],
           natural_light: changedLight[0] + throughNormal * leaving * on(albedo, sum([...up])),
           lit_at_45: solid, over_black: litAt(BLACK), over_white: litAt(WHITE),
         },
       };
+    }
+
+    /**
+     * A uniform sky's light that is seen at the angles of a strip, and what of the paper's light passes there: R and T are polynomials
+     * between 0° and the nodes, with what interference changes of them. `returned` of the light that passes comes back from the paper.
+     */
+    viewed(job, w, sides, sums, returned) {
+      const { p, shares } = this, rule = this.rule(VIEWED), nowhere = () => VIEW_DEG.map(() => [0, 0]), alone = nowhere(), change = nowhere();
+      shares.forEach((part, pol) => {
+        if (part === 0) return;
+        const coherent = this.fields(job, w, pol, VIEWED, false)[0][0], { lost, incoherent } = sides[pol];
+        const columns = this.known.map((_, d) => d === 0 ? 0 : 1 + (d - 1) * p + pol).map(k => [sums.ra[k], sums.tab[k]]);
+        VIEW_DEG.forEach((_, k) => {
+          const mean = of => rule.lagranges[0][k].reduce((l, weight, d) => add(l, weight, of[d]), [0, 0]);
+          alone[k] = add(alone[k], part, mean(columns));
+          change[k] = add(change[k], part, minus(withLoss(coherent[k], mean(lost)), mean(incoherent)));
+        });
+      });
+      return alone.map((own, k) => {
+        const [back, through] = changed(own, change[k]);
+        return { factor: back + ratio(through, own[1]) * own[1] * returned, through };
+      });
+    }
+
+    /** Factors of a solid under a uniform sky by viewing angle, [angle in degrees, [wavelength]], as the strip of a run's picture has them. */
+    overAngles(composition) {
+      const job = { ...this.job(composition), areas: null }, glow = job.light ? this.evaluated(job, null).natural_light : null;
+      const rows = this.nm.map((_, w) => {
+        const { viewed, numbers } = this.spectral(job, w), all = viewed(), emitted = glow ? glow[w] - numbers.natural_light : 0;
+        return all.map(({ factor, through }) => factor + (emitted ? emitted * through / all[0].through : 0));
+      });
+      return VIEW_DEG.map((deg, k) => [deg, rows.map(row => row[k])]);
     }
 
     /** What the paper emits below kinds of area, of light of power 1, at every wavelength; `kinds` are their optics by wavelength. */

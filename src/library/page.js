@@ -162,7 +162,8 @@
     fail(null);
     $("states").replaceChildren(...states.map((state, k) => make("section", { class: "state", id: `state-${k}`, style: `--own: var(--${"ab"[k]})` },
       make("h2", {}, "AB"[k]), make("div", { class: "patch", id: `patch-${k}`, role: "img" }), make("div", { class: "numbers", id: `numbers-${k}` }),
-      ...scalarSurface(state), make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper; in dots, from bare to solid:"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }), controls(k))));
+      ...scalarSurface(state), make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper; in dots, from bare to solid:"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }),
+      make("p", { class: "soft" }, "Solid under a sky, seen along the normal to 60° from it:"), make("div", { class: "strip", id: `angles-${k}`, role: "img" }), make("p", { class: "scale soft" }, ...[0, 15, 30, 45, 60].map(deg => make("span", {}, `${deg}°`))), controls(k))));
     states.forEach((_, k) => look(k));
     if (gamut) hull();
   }
@@ -178,12 +179,13 @@
     const state = states[k], run = ++running[k];
     results[k] = null;
     try {
-      if (!state.layers.length) { $(`numbers-${k}`).textContent = "no layer: drag an ink here"; $(`patch-${k}`).style.background = "none"; return summary(); }
+      if (!state.layers.length) { $(`numbers-${k}`).textContent = "no layer: drag an ink here"; $(`patch-${k}`).style.background = "none"; $(`angles-${k}`).replaceChildren(); return summary(); }
       const wanted = composition(state), found = library.compose(wanted), eye = library.eye(wanted);
       results[k] = { state, found, errors: null };
       const xyz = inkwave.xyzOf(eye, found[seen(state)[0]]);
       $(`patch-${k}`).style.background = css(inkwave.screen(xyz, inkwave.whiteOf(eye)));
       strip(k, state, wanted, eye);
+      angles(k, wanted, eye);
       summary();
       const errors = await library.errors(wanted, found, async () => { await new Promise(done => setTimeout(done)); return running[k] !== run; });
       if (errors) { results[k].errors = errors; summary(); }
@@ -196,6 +198,13 @@
       const found = library.compose({ ...wanted, layers: wanted.layers.map(({ coverage, ...layer }) => layer), dots: { ...dots, coverage: i / (steps - 1) } });
       return make("div", { style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, found.factors), inkwave.whiteOf(eye)))}` });
     }));
+  }
+
+  /** The strip of a run's picture, lying: the solid in natural light by viewing angle. */
+  function angles(k, wanted, eye) {
+    const all = library.overAngles(wanted), lab = ([, factors]) => inkwave.labOf(inkwave.xyzOf(eye, factors), inkwave.whiteOf(eye)).map(x => x.toFixed(1)).join(", ");
+    $(`angles-${k}`).replaceChildren(...all.map(own => make("div", { title: `${own[0]}°: L*, a*, b* ${lab(own)}`, style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, own[1]), inkwave.whiteOf(eye)))}` })));
+    $(`angles-${k}`).setAttribute("aria-label", `Colours of ${"AB"[k]} by viewing angle: ${lab(all[0])} at 0°, ${lab(all.at(-1))} at ${all.at(-1)[0]}°`);
   }
 
   function summary() {

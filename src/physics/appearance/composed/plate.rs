@@ -67,19 +67,8 @@ impl Plate {
     }
 
     /// This number of such elements, one behind another.
-    pub fn repeated(&self, mut count: usize) -> Self {
-        let mut power = self.clone();
-        let mut all = Self::nothing(self.reflection[0].nrows());
-        while count > 0 {
-            if count % 2 == 1 {
-                all = all.then(&power);
-            }
-            count /= 2;
-            if count > 0 {
-                power = power.then(&power);
-            }
-        }
-        all
+    pub fn repeated(&self, count: usize) -> Self {
+        in_a_row(Self::nothing(self.reflection[0].nrows()), self.clone(), count, Self::then)
     }
 
     /// Fluxes \[onward, back\] of every state between this element and the one behind, for light
@@ -102,4 +91,19 @@ fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
 /// Sum of all entries.
 pub fn total(flux: &Mat<f64>) -> f64 {
     (0..flux.ncols()).flat_map(|j| (0..flux.nrows()).map(move |i| flux[(i, j)])).sum()
+}
+/// This number of elements behind `nothing`, by products that are doubled.
+pub(super) fn in_a_row<T>(nothing: T, one: T, mut count: usize, then: impl Fn(&T, &T) -> T) -> T {
+    let mut power = one;
+    let mut all = nothing;
+    while count > 0 {
+        if count % 2 == 1 {
+            all = then(&all, &power);
+        }
+        count /= 2;
+        if count > 0 {
+            power = then(&power, &power);
+        }
+    }
+    all
 }

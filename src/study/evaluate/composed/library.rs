@@ -23,7 +23,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the form that is written, and the newest that is read.
-pub const LIBRARY_FORM: u32 = 3;
+pub const LIBRARY_FORM: u32 = 4;
 /// Difference of indices and of directions that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -31,7 +31,8 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Library {
-    /// Version of this form of file: 3; 1 lacks `lights`, 2 amplitudes of light turned back by air.
+    /// Version of this form of file: 4; 1 lacks `lights`, 2 amplitudes of light turned back by air,
+    /// 3 slabs whose mean index is below that of the joints.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,

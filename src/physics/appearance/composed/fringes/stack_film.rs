@@ -172,7 +172,7 @@ impl StackFilm {
         let root = (onward * back).sqrt();
         // the root that is the amplitude, not less it
         let amplitude = if (root.conj() * onward).re < 0.0 { -root } else { root };
-        let even = self.even_film(solved, polarisation, sine, Complex64::ZERO).transmitted;
+        let even = self.even_film(solved, 1.0, polarisation, sine, Complex64::ZERO).transmitted;
         logarithm(amplitude / even)
     }
 
@@ -184,8 +184,8 @@ impl StackFilm {
         sine: f64,
         passed: Complex64,
     ) -> Beyond {
-        let even = self.even_film(solved, polarisation, sine, passed);
-        let phases = self.depths(solved, sine, passed);
+        let even = self.even_film(solved, 1.0, polarisation, sine, passed);
+        let phases = self.depths(solved, 1.0, sine, passed);
         let reflected = [0, 1].map(|side| {
             let difference = solved.amplitudes[side][d][polarisation][0] - even.reflected[side];
             difference * phases[side].conj()
@@ -193,22 +193,26 @@ impl StackFilm {
         Beyond { passed, reflected }
     }
 
-    /// Phase of both ways to the depth at which the wave is mirrored, from either side.
-    fn depths(&self, solved: &SolvedElement, sine: f64, passed: Complex64) -> [Complex64; 2] {
-        let once = self.phase(solved.index.into(), solved.thickness_um, sine).re + passed.im;
+    /// Phase of both ways to the depth at which the wave is mirrored, from either side, in this
+    /// part of an element.
+    fn depths(&self, solved: &SolvedElement, part: f64, sine: f64, passed: Complex64) -> [Complex64; 2] {
+        let once = self.phase(solved.index.into(), part * solved.thickness_um, sine).re + passed.im;
         let depth = solved.mirrors.depth();
-        [depth, 1.0 - depth].map(|part| Complex64::from_polar(1.0, 2.0 * part * once))
+        [depth, 1.0 - depth].map(|side| Complex64::from_polar(1.0, 2.0 * side * once))
     }
 
-    /// The even film, whose wave changes by exp(`passed`) besides on each way through it.
+    /// The even film of this part of an element, whose wave changes by exp(`passed`) besides on
+    /// each way through it.
     fn even_film(
         &self,
         solved: &SolvedElement,
+        part: f64,
         polarisation: usize,
         sine: f64,
         passed: Complex64,
     ) -> FilmMatrix<Complex64> {
-        let way = (Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine) + passed).exp();
+        let phase = self.phase(solved.index.into(), part * solved.thickness_um, sine);
+        let way = (Complex64::I * phase + passed).exp();
         let through = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
         if solved.mirrors == Mirrors::Nowhere {
             return through;
@@ -254,16 +258,27 @@ impl StackFilm {
             let transmitted = ((once + here.passed) * solved.count).exp();
             return alone(FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted });
         }
-        let even = self.even_film(solved, polarisation, sine, here.passed);
+        let slab = |part: f64| self.slab(solved, here, part, polarisation, sine);
+        let one = slab(1.0);
+        (one.repeated(solved.count, slab), one.powers().repeated(solved.count))
+    }
+
+    /// This part of an element that differs so from an even film.
+    fn slab(
+        &self,
+        solved: &SolvedElement,
+        beyond: Beyond,
+        part: f64,
+        polarisation: usize,
+        sine: f64,
+    ) -> FilmMatrix<Complex64> {
+        let passed = part * beyond.passed;
+        let even = self.even_film(solved, part, polarisation, sine, passed);
         // the film's own t holds what goes to and fro in it: so do both here and in `passed`
-        let straight = self.even_film(solved, polarisation, sine, Complex64::ZERO);
-        let phases = self.depths(solved, sine, here.passed);
-        let one = FilmMatrix {
-            reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
-            transmitted: straight.transmitted * here.passed.exp(),
-        };
-        let way = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine) + here.passed;
-        (one.repeated(solved.count, way), one.powers().repeated(solved.count))
+        let straight = self.even_film(solved, part, polarisation, sine, Complex64::ZERO);
+        let phases = self.depths(solved, part, sine, passed);
+        let mirrored = |side: usize| even.reflected[side] + part * beyond.reflected[side] * phases[side];
+        FilmMatrix { reflected: [0, 1].map(mirrored), transmitted: straight.transmitted * passed.exp() }
     }
 
     /// The mean field of the whole stack at a lateral wavenumber.
@@ -274,7 +289,7 @@ impl StackFilm {
         polarisation: usize,
         sine: f64,
     ) -> StackField {
-        let mut whole = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: Complex64::ONE };
+        let mut whole = FilmMatrix::NONE;
         let mut powers = whole.powers();
         let mut front = None;
         for (element, beyond) in self.elements.iter().zip(beyond) {

@@ -280,7 +280,7 @@ impl TrappedZone {
     /// The mean field at a lateral wavenumber of the zone: nothing passes.
     fn field(&self, sine: f64) -> MeanField {
         let weights = lagrange(&self.places, self.zone.place(sine));
-        let mut whole = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: Complex64::ONE };
+        let mut whole = FilmMatrix::NONE;
         let mut powers = whole.powers();
         for element in &self.elements {
             let next = element.at(&weights, sine, self.polarisation, self.wavenumber);

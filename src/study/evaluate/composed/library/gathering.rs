@@ -39,16 +39,7 @@ impl Library {
                 LayerPlates::Whole => None,
                 LayerPlates::Slabs(um) => Some(*um),
             };
-            let plate = plate_of(study, layer, slabs, &portions, &joint);
-            let lightest = plate.within.iter().copied().fold(f64::INFINITY, f64::min);
-            if slabs.is_some() && lightest < index - ROUNDING {
-                let name = &plate.name;
-                return Err(format!(
-                    "layer {name}: slabs of mean index {lightest:.4} between joints of joint_index {index}, which a library does not compose: \
-                     solve the layer whole (without slab_um), or take a joint_index of {lightest:.4} or less"
-                ));
-            }
-            plates.push(plate);
+            plates.push(plate_of(study, layer, slabs, &portions, &joint));
         }
         Ok(Self {
             inkwave_library: LIBRARY_FORM,

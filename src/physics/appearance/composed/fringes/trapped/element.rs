@@ -187,9 +187,9 @@ impl TrappedElement {
             let once = film.phase(here.squared, sine) + here.further;
             return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: (once * count).exp() };
         }
-        let even = film.within(here.squared, sine);
-        let phases = film.depths(here.squared, sine);
         if is_last {
+            let even = film.within(here.squared, sine);
+            let phases = film.depths(here.squared, sine);
             let turned = even.reflected[0] * here.further.exp() + here.reflected[0] * phases[0];
             // Noise between the directions must not make more light than there is; of a wave that
             // decays towards it, an element may well mirror more than arrives.
@@ -197,11 +197,8 @@ impl TrappedElement {
             let turned = turned / (turned.norm() / most).max(1.0);
             return FilmMatrix { reflected: [turned, Complex64::ZERO], transmitted: Complex64::ZERO };
         }
-        let one = FilmMatrix {
-            reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
-            transmitted: even.transmitted * here.further.exp(),
-        };
-        one.repeated(count, film.phase(here.squared, sine) + here.further)
+        let slab = |part: f64| film.part(&here, part, sine);
+        slab(1.0).repeated(count, slab)
     }
 
     /// Powers in a known direction.

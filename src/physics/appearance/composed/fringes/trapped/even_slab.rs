@@ -69,6 +69,18 @@ impl EvenSlab {
         self.film(further, sine, [front, behind])
     }
 
+    /// This part of the slab where it lies, with what it differs by from an even film.
+    pub fn part(&self, known: &KnownSlab, part: f64, sine: f64) -> FilmMatrix<Complex64> {
+        let thinner = Self { thickness_um: part * self.thickness_um, ..*self };
+        let even = thinner.within(known.squared, sine);
+        let phases = thinner.depths(known.squared, sine);
+        let mirrored = |side: usize| even.reflected[side] + part * known.reflected[side] * phases[side];
+        FilmMatrix {
+            reflected: [0, 1].map(mirrored),
+            transmitted: even.transmitted * (part * known.further).exp(),
+        }
+    }
+
     fn film(&self, further: Complex64, sine: f64, faces: [bool; 2]) -> FilmMatrix<Complex64> {
         let [before, behind] = self.between.map(|index| Complex64::from(index * index));
         let squared = self.index * self.index + further;
