@@ -41,7 +41,7 @@ _CONDITIONS = {None: None, "M0": "A", "M1": "D50", "M2": "D50"}
 _SCALAR_SURFACE = ("the scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: "
                    "a clear layer of its index, {}, does not look quite like bare paper; `inkwave compose` says by how much, and plates "
                    "solved with light.wave = \"unpolarised\" have both alike")
-_NODES, _MEAN_ERROR, _FRINGES_OF_A_PIECE, _MOST_HALVINGS, _ROUNDS, _FURTHEST, _NARROWEST = (16, 11), 1e-7, 4.0, 48, 12, 1.0, 1e-3
+_NODES, _MEAN_ERROR, _FRINGES_OF_A_PIECE, _MOST_HALVINGS, _ROUNDS, _FURTHEST, _NARROWEST, _LITTLE = (16, 11), 1e-7, 4.0, 48, 12, 1.0, 1e-3, 0.02
 
 
 class _Flux(NamedTuple):
@@ -913,6 +913,7 @@ class _TrappedSlab:
         self._seen: Dict[Any, _Once] = {}
         least = np.minimum(portion.between.min(1), within)
         self.goes_on = least > library.joint_index - _NARROWEST
+        self.within = within[:, None]
         own = np.stack([one.amplitudes[..., p, :] for one in states])
         onward = own[..., 1, :, 1]
         root = np.sqrt(onward * own[..., 0, :, 1])
@@ -936,6 +937,17 @@ class _TrappedSlab:
         near_ones = slice(near + 1, sines.size)
         powers = _Film(*(np.abs(x[..., near_ones]) ** 2 for x in (own[..., 1, :, 0], own[..., 0, :, 0], measured)))
         self.solved = powers.where(self.mirrors, _Film(0 * powers.ra, 0 * powers.rb, powers.t))
+        if not self.goes_on.all():
+            self._carry_on(measured[..., 0], sines[near_ones])
+
+    def _carry_on(self, measured: np.ndarray, sines: np.ndarray) -> None:
+        """Where light decays in it, the slab is an even film of the index that it has at 0°."""
+        with np.errstate(all="ignore"):
+            squared = self._even_of(measured, 0.0, np.zeros(measured.shape))[0]
+            even = self.film(squared[..., None], sines, self.both).powers()
+        here = self.goes_on[:, None]
+        self.known = np.where(here, self.known, np.array([squared, *np.zeros((3, *squared.shape))])[..., None])
+        self.solved = self.solved.where(here, even)
 
     def one(self, row: int) -> "_TrappedSlab":
         """One of the means."""
@@ -1029,10 +1041,12 @@ class _TrappedStacks:
         fewer = stacks[0].change.fewer and self.sines.size > 1
         self.kept = tuple(d for d in range(self.sines.size) if not (fewer and d == self.sines.size // 2))
         self.alike = [self._alike(place) for place in range(len(stacks[0].layers))]
-        self.goes_on = np.ones((len(stacks), library.wavelengths_nm.size), bool)
+        self.shape = len(stacks), library.wavelengths_nm.size
+        # where light of a known direction decays in a layer (stack, wavelength, direction)
+        self.decays = np.zeros((*self.shape, self.sines.size), bool)
         for groups in self.alike:
             for some, slabs in groups:
-                self.goes_on[some] &= np.all([slab.goes_on for slab, _ in slabs], axis=0)
+                self.decays[some] |= np.any([slab.within <= self.sines[None, :] for slab, _ in slabs], axis=0)
 
     def _place(self, sine: np.ndarray) -> np.ndarray:
         return np.asarray(np.sqrt(np.maximum(self.joint**2 - sine * sine, 0.0)))
@@ -1061,7 +1075,7 @@ class _TrappedStacks:
         what lies behind it; `film_of` a slab and numbers of it are its amplitudes or powers."""
         row = np.full(len(self.stacks), -1)
         row[some] = np.arange(some.size)
-        back = np.array(np.broadcast_to(face, (some.size, self.goes_on.shape[1], face.shape[-1])))
+        back = np.array(np.broadcast_to(face, (some.size, self.shape[1], face.shape[-1])))
         for groups in self.alike:
             for members, slabs in groups:
                 here = row[members] >= 0
@@ -1082,7 +1096,10 @@ class _TrappedStacks:
 
         def film_of(slab: _TrappedSlab, times: Any) -> _Film:
             film = slab.at(sine, lit).repeated(times)
-            return film.powers() if kind else film
+            if not kind:
+                return film
+            powers = film.powers()
+            return powers.where(slab.within > sine[None, :], _Film(0 * powers.ra + 1.0, 0 * powers.ra + 1.0, 0 * powers.ra))
 
         r = self._turned_back(some, (face.powers() if kind else face).ra, kind, film_of)
         r = r if kind else np.abs(r) ** 2
@@ -1098,13 +1115,14 @@ class _TrappedStacks:
         """Fringes over the zone, and what of the light comes to the air (stack, wavelength)."""
         edge = np.array([1.0])
         lit = self._lit(edge, "edge")
-        fringes, seen = np.zeros(self.goes_on.shape), np.ones(self.goes_on.shape)
+        fringes, seen = np.zeros(self.shape), np.ones(self.shape)
         for groups in self.alike:
             for some, slabs in groups:
                 for slab, times in slabs:
                     phases = [_going_on(slab.squared_index[:, 0], np.array(sine)).real for sine in (1.0, self.joint)]
                     fringes[some] += times[..., 0] * 2 * (phases[0] - phases[1]) * slab.um * slab.k0[:, 0] / (2 * np.pi)
-                    seen[some] *= np.abs(slab.at(edge, lit).repeated(times).t[..., 0]) ** 2
+                    passed = np.abs(slab.at(edge, lit).repeated(times).t[..., 0]) ** 2
+                    seen[some] *= np.where(slab.goes_on, passed, 1.0)
         return fringes, seen
 
     def change(self, columns: Tuple[np.ndarray, np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
@@ -1119,7 +1137,9 @@ class _TrappedStacks:
         safe = np.where(lost < _NOTHING, 1.0, lost)
         together = np.maximum((r + t - field) / safe, 0.0)
         back = np.minimum(np.maximum((r - field) / safe, 0.0), together)
-        shares = [np.where(lost < _NOTHING, x, y)[..., list(self.kept)] for x, y in ((r, back), (t, together - back))]
+        shares = [np.where(lost < _NOTHING, x, y) for x, y in ((r, back), (t, together - back))]
+        # where composing lets no light come to what scatters it, nothing of it comes back
+        shares = [np.where(self.decays & (lost < _LITTLE), 0.0, x)[..., list(self.kept)] for x in shares]
         fringes, seen = self._fringes()
         interferes = (seen >= _FAINT) & (fringes <= _MOST_FRINGES)
         begun = np.where(interferes, np.maximum(np.ceil(fringes / _FRINGES_OF_A_PIECE), 1.0), 1.0)
@@ -1127,9 +1147,9 @@ class _TrappedStacks:
         rules = [np.polynomial.legendre.leggauss(count) for count in _NODES]
         nodes = np.concatenate([0.5 * (1 + x) for x, _ in rules])
         weights = [0.5 * w for _, w in rules]
-        total = np.zeros((2, *self.goes_on.shape))
+        total = np.zeros((2, *self.shape))
         # pieces of the zone with the stacks and wavelengths that they are of, as the program halves them
-        pieces = [(k / n, 1.0 / n, self.goes_on & (begun == n)) for n in np.unique(begun[self.goes_on]) for k in range(int(n))]
+        pieces = [(k / n, 1.0 / n, begun == n) for n in np.unique(begun) for k in range(int(n))]
         count = begun.copy()
         while pieces:
             start, size, of = pieces.pop(0)
@@ -1153,7 +1173,7 @@ class _TrappedStacks:
             if halved.any():
                 pieces += [(start, 0.5 * size, halved), (start + 0.5 * size, 0.5 * size, halved)]
         own = self.library._weights[self.library._near:]
-        changes = [np.where(self.goes_on, x - y @ own, 0.0) for x, y in zip(total, (r, t))]
+        changes = [x - y @ own for x, y in zip(total, (r, t))]
         return changes[0], changes[1]
 
 

@@ -5,7 +5,9 @@ const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
   const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 4, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
   const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
-  const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3;
+  const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3, LITTLE = 0.02;
+  // what composing makes of a slab in which light decays
+  const TURNED_BACK = { ra: 1, rb: 1, t: 0 };
   const sum = list => list.reduce((a, b) => a + b, 0);
   const range = n => Array.from({ length: n }, (_, k) => k);
   // viewing angles of a strip, as in the pictures of runs; the rule of their sines
@@ -705,13 +707,18 @@ const inkwave = (() => {
         }
         return [[0, 0], first, first[1]];
       };
-      const known = [];
-      let near = 0;
+      const goesOn = Math.min(...between, index) > this.index - NARROWEST, known = [];
+      let near = 0, normal = [0, 0];
       [0, ...this.sines].forEach((sine, d) => {
         const onward = amplitude(1, d, pol, 1);
         let measured = cq(cm(onward, amplitude(0, d, pol, 1)));
         if (cm(conj(measured), onward)[0] < 0) measured = [-measured[0], -measured[1]];
+        if (d === 0) [normal] = evenOf(measured, 0, 0);
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
+        if (!goesOn) {
+          known.push({ squared: normal, further: [0, 0], solved: powers(film(normal, sine, [true, true])), reflected: [[0, 0], [0, 0]] });
+          return;
+        }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
         near = last;
         const solved = inner ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
@@ -734,10 +741,9 @@ const inkwave = (() => {
         };
         return filmRepeated(slab(1), times, slab);
       };
-      const goesOn = Math.min(...between, index) > this.index - NARROWEST;
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
       const solved = (d, times) => inner ? { ...known[d].solved, t: known[d].solved.t ** times } : powersRepeated(known[d].solved, times);
-      this.turnedBack.set(key, { at, solved, goesOn, turns });
+      this.turnedBack.set(key, { at, solved, goesOn, turns, decays: sine => index <= sine });
       return this.turnedBack.get(key);
     }
 
@@ -748,24 +754,23 @@ const inkwave = (() => {
     ofTrapped(job, w, pol, columns) {
       const { change } = job, joint = this.index, slabs = [...job.layers].reverse().flatMap(([number, count]) =>
         this.placesOf(count, change).reverse().map(([position, times]) => [this.trappedSlab(number, position, change, w, pol), times]));
-      if (!slabs.every(([slab]) => slab.goesOn)) return [0, 0];
       const sines = this.sines.slice(this.near), place = s => Math.sqrt(Math.max(joint * joint - s * s, 0)), places = sines.map(place), every = range(sines.length);
       const kept = change.fewer && every.length > 1 ? every.filter(d => d !== every.length >> 1) : every;
       const weightsAt = (sine, known) => lagrange(known.map(d => places[d]), place(sine));
       const share = r => Number.isFinite(r) ? Math.min(r, 1) : 1;
       const field = (sine, known) => {
         const weights = weightsAt(sine, known);
-        let whole = null, power = null;
-        for (const own of [...slabs.map(([slab, times]) => slab.at(weights, known, sine, times)), faceBetween([joint * joint, 0], [1, 0], sine, pol)]) {
-          whole = whole ? filmThen(whole, own) : own;
-          power = power ? powersThen(power, powers(own)) : powers(own);
-        }
-        return [share(cn(whole.ra)), share(power.ra)];
+        const films = slabs.map(([slab, times]) => slab.at(weights, known, sine, times)), face = faceBetween([joint * joint, 0], [1, 0], sine, pol);
+        const all = [...films.map((own, k) => slabs[k][0].decays(sine) ? TURNED_BACK : powers(own)), powers(face)];
+        return [share(cn([...films, face].reduce(filmThen).ra)), share(all.reduce(powersThen).ra)];
       };
       const solved = (sine, d) => [...slabs.map(([slab, times]) => slab.solved(d, times)), powers(faceBetween([joint * joint, 0], [1, 0], sine, pol))].reduce(powersThen).ra;
-      const shares = sines.map((sine, d) => sharesOf([Math.min(solved(sine, d), 1), 0], columns[d]));
+      const shares = sines.map((sine, d) => {
+        const mirrored = Math.min(solved(sine, d), 1), decays = slabs.some(([slab]) => slab.decays(sine));
+        return decays && 1 - mirrored < LITTLE ? [0, 0] : sharesOf([mirrored, 0], columns[d]);
+      });
       const atEdge = weightsAt(1, kept), fringes = sum(slabs.map(([slab, times]) => slab.turns * times));
-      const seen = slabs.reduce((product, [slab, times]) => product * cn(slab.at(atEdge, kept, 1, times).t), 1);
+      const seen = slabs.filter(([slab]) => slab.goesOn).reduce((product, [slab, times]) => product * cn(slab.at(atEdge, kept, 1, times).t), 1);
       const interferes = seen >= FAINT && fringes <= MOST_FRINGES, begun = interferes ? Math.max(Math.ceil(fringes / FRINGES_OF_A_PIECE), 1) : 1, width = Math.sqrt(joint * joint - 1);
       const at = x => {
         const t = 0.5 * Math.PI * x, v = width * Math.cos(t), sine = Math.sqrt(Math.max(joint * joint - v * v, 0)), weights = weightsAt(sine, kept);

@@ -226,7 +226,7 @@ impl TrappedZone {
                     let inside = if is_last { &media[..2] } else { &media[..] };
                     let propagates = inside.iter().all(|index| *index > zone.to - NARROWEST);
                     let own = || TrappedElement::of_slab(slab, light, &zone, is_last, before);
-                    let beyond = || TrappedElement::beyond_solves(slab, light, &zone, is_last, before);
+                    let beyond = || TrappedElement::beyond_solves(slab, light, &zone, is_last);
                     propagates.then(own).flatten().unwrap_or_else(beyond)
                 }
                 TrappedPart::Face(media) => TrappedElement::Face(media.map(|index| index * index)),
@@ -350,7 +350,7 @@ impl TrappedZone {
             let (squared, thickness_um) = element.depth();
             let phases = [self.zone.from, self.zone.to].map(|sine| normal(squared, sine).re);
             fringes += 2.0 * (phases[0] - phases[1]) * thickness_um * self.wavenumber / TAU;
-            if number < last && element.goes_on(self.zone.to) {
+            if number < last && element.goes_on(self.zone.to - NARROWEST) {
                 let at_edge = element.at(&weights, self.zone.from, self.polarisation, self.wavenumber);
                 seen *= at_edge.transmitted.norm_sqr();
             }

@@ -99,20 +99,15 @@ impl TrappedElement {
         light: TrappedLight,
         zone: &DirectionZone,
         is_last: bool,
-        before: Option<&Self>,
     ) -> Self {
         let &TrappedSlab { between, index, thickness_um, mirrors, count, .. } = slab;
         let wavenumber = TAU / light.wavelength_um;
         let film =
             EvenSlab { between, index, thickness_um, mirrors, polarisation: light.polarisation, wavenumber };
-        let of_neighbour = before.and_then(|before| match before {
-            Self::Solved { film, known, .. } if film.index == index => Some(known[0].squared),
-            _ => None,
-        });
-        let squared = of_neighbour.unwrap_or_else(|| match slab.passed(0, light.polarisation) {
+        let squared = match slab.passed(0, light.polarisation) {
             Some(passed) => film.even_of(passed, 0.0, false, 0.0).known.squared,
             None => Complex64::ZERO,
-        });
+        };
         let known = light.ordinates.sines[zone.first..zone.first + zone.count].iter().map(|&sine| {
             let [front, behind] = between.map(|index| index > sine);
             let FilmMatrix { reflected, transmitted } = film.solved(squared, sine).powers();
