@@ -128,12 +128,12 @@ class Library(unittest.TestCase):
         taken = {"layers": ["red"], "dots": {"coverage": np.float32(0.5), "ruling_per_cm": np.int64(60), "spread_um": 40}}
         self.assertEqual(self.library.compose(taken).lab.shape, (1, 3))
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 3"):
-            iw.Library({**content, "inkwave_library": 4})
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 4"):
+            iw.Library({**content, "inkwave_library": 5})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         with self.assertRaisesRegex(iw.InputError, "damaged"):
-            iw.Library({"inkwave_library": 3})
+            iw.Library({"inkwave_library": 4})
         unbalanced = json.loads(LIBRARY.read_text())
         states = unbalanced["plates"][0]["portions"][0]["states"][1]
         states["mean"] = base64.b64encode((3 * np.frombuffer(base64.b64decode(states["mean"]), "<f8")).tobytes()).decode()

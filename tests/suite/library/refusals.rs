@@ -25,7 +25,7 @@ fn libraries_that_do_not_fit_are_refused() {
         change(&mut value);
         std::fs::write(folder.join(name), value.to_string()).unwrap();
     };
-    changed("newer.json", &|value| value["inkwave_library"] = json!(4));
+    changed("newer.json", &|value| value["inkwave_library"] = json!(5));
     changed("method.json", &|value| value["method"] = json!(9));
     changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
     changed("less.json", &|value| {
@@ -36,7 +36,7 @@ fn libraries_that_do_not_fit_are_refused() {
     std::fs::write(folder.join("text.json"), "no library").unwrap();
     let method = format!("method: found 9; allowed {METHOD_VERSION}");
     let libraries: [(&str, &str); 8] = [
-        ("newer.json", "found form 4; allowed up to 3"),
+        ("newer.json", "found form 5; allowed up to 4"),
         ("method.json", &method),
         ("less.json", "incomplete"),
         ("cut.json", "incomplete"),

@@ -22,7 +22,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the form that is written, and the newest that is read.
-pub const LIBRARY_FORM: u32 = 3;
+pub const LIBRARY_FORM: u32 = 4;
 /// Difference of indices and of directions that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -30,7 +30,8 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Library {
-    /// Version of this form of file: 3; 1 lacks `lights`, 2 amplitudes of light turned back by air.
+    /// Version of this form of file: 4; 1 lacks `lights`, 2 amplitudes of light turned back by air,
+    /// 3 `seen_powers`.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,
@@ -86,8 +87,13 @@ pub struct LibraryEye {
 pub struct LibraryLight {
     /// Its name, such as `D65`.
     pub illuminant: String,
-    /// Relative powers at the multiples of 5 nm within the library's wavelengths, from 300 nm on.
+    /// Relative powers at the multiples of 5 nm within the library's wavelengths, from 300 nm on;
+    /// of a lamp with lines the means of the light about each of them.
     pub powers: Vec<f64>,
+    /// Those of a lamp with lines at the library's wavelengths, for the light that each stands for;
+    /// none of smooth lights, whose `powers` are linear in between.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seen_powers: Vec<f64>,
 }
 
 /// A pigment of a plate.
