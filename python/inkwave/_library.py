@@ -287,11 +287,12 @@ class _Print(NamedTuple):
 
 
 class _Light(NamedTuple):
-    """A paper that fluoresces, under a light, at the wavelengths of the sum over excitation."""
+    """A paper that fluoresces, under a light, at the wavelengths of the sum over excitation; the light also at those of the library."""
 
     albedo: np.ndarray
     power: np.ndarray
     matrix: np.ndarray
+    seen: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -389,6 +390,8 @@ class Library:
                     raise InputError(f"plate {plate['name']!r}: found {kept.min():.3g} to {kept.max():.3g} of the light reflected and passed on; "
                                      "allowed 0 to 1: solve its layer again")
         self._lights = {light["illuminant"]: np.array(light["powers"], float) for light in content.get("lights", [])}
+        self._means_of_lines = {light["illuminant"]: np.array(light["seen_powers"], float)
+                                for light in content.get("lights", []) if light.get("seen_powers")}
         first, last = math.ceil(max(self.wavelengths_nm[0], _SHORTEST_NM) / _STEP_NM), math.floor(self.wavelengths_nm[-1] / _STEP_NM)
         self._summed_nm = _STEP_NM * np.arange(first, last + 1)
         self._layers: Dict[Any, _Flux] = {}
@@ -497,7 +500,7 @@ class Library:
             grid = self._summed_nm
             elastic = self._albedo(paper.get("albedo", 0.9), grid, where) * (1 - absorbed(grid))
             albedo = albedo * (1 - absorbed(self.wavelengths_nm))
-            light = _Light(elastic, self._power(composition, where), _matrix(kernel, grid))
+            light = _Light(elastic, self._power(composition, where), _matrix(kernel, grid), self._seen(composition, where))
             self._judge_quanta(kernel, elastic, where)
         return _Job(layers, albedo, bool(contact), _printed(composition, where), light, _Change())
 
@@ -528,6 +531,11 @@ class Library:
             known = ", ".join(self._lights) or "none: gather the library again"
             raise InputError(f"{where}found no power of {lamp}, which excites; allowed are those of the library: {known}")
         return np.where(self._summed_nm < _CUT_NM, 0.0, self._lights[lamp]) if condition == "M2" else self._lights[lamp]
+
+    def _seen(self, composition: Mapping[str, Any], where: str) -> np.ndarray:
+        """Power of the light with which emission is compared, at the library's wavelengths: of a lamp with lines that of all light about each."""
+        means = self._means_of_lines.get(composition.get("illuminant", "D65")) if composition.get("condition") is None else None
+        return np.interp(self.wavelengths_nm, self._summed_nm, self._power(composition, where)) if means is None else means
 
     def _judge_quanta(self, kernel: Any, elastic: np.ndarray, where: str) -> None:
         grid = self._summed_nm
@@ -1469,7 +1477,7 @@ def _emitted(library: Library, jobs: Sequence[_Job], kinds: np.ndarray, mix: Tup
     """What papers emit below every kind of area, relative to their light (job, kind, wavelength)."""
     nm, grid = library.wavelengths_nm, library._summed_nm
     lights = [job.light for job in jobs if job.light is not None]
-    albedo, power, matrix = (np.array([light[k] for light in lights]) for k in range(3))
+    albedo, power, matrix, seen = (np.array([light[k] for light in lights]) for k in range(4))
     onto_grid = np.array([np.interp(grid, nm, row) for row in np.eye(nm.size)])
     from_grid = np.array([np.interp(nm, grid, row) for row in np.eye(grid.size)])
     parts = kinds @ onto_grid
@@ -1477,7 +1485,7 @@ def _emitted(library: Library, jobs: Sequence[_Job], kinds: np.ndarray, mix: Tup
     for i in range(grid.size):
         all_[..., i] = np.einsum("jg,jkg->jk", matrix[:, i, :i], below[..., :i])
         below[..., i] = _fluxes(parts[..., i], albedo[:, i: i + 1], power[:, i: i + 1], all_[..., i], mix)[0]
-    there = (power @ from_grid)[:, None]
+    there = seen[:, None]
     return np.where(there > 0, all_ @ from_grid / np.where(there > 0, there, 1.0), 0.0)
 
 

@@ -133,7 +133,7 @@ class Library(unittest.TestCase):
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         with self.assertRaisesRegex(iw.InputError, "damaged"):
-            iw.Library({"inkwave_library": 3})
+            iw.Library({"inkwave_library": 4})
         unbalanced = json.loads(LIBRARY.read_text())
         states = unbalanced["plates"][0]["portions"][0]["states"][1]
         states["mean"] = base64.b64encode((3 * np.frombuffer(base64.b64decode(states["mean"]), "<f8")).tobytes()).decode()

@@ -926,8 +926,8 @@ const inkwave = (() => {
         below.push(fluxes(areas, mix, light.albedo[i], light.power[i], sent)[0]);
         all.push(sent);
       });
-      return this.nm.map(nm => {
-        const [k, s] = between(this.summed, nm), at = list => list[k - 1] + s * (list[k] - list[k - 1]), power = at(light.power);
+      return this.nm.map((nm, w) => {
+        const [k, s] = between(this.summed, nm), at = list => list[k - 1] + s * (list[k] - list[k - 1]), power = light.seen ? light.seen[w] : at(light.power);
         return kinds.map((_, kind) => power > 0 ? at(all.map(row => row[kind])) / power : 0);
       });
     }
@@ -956,16 +956,16 @@ const inkwave = (() => {
         if (most > 1 + 1e-9) throw new Refusal(`paper.fluorescence: found ${most.toFixed(3)} quanta reflected and emitted for each that comes in; allowed at most 1: lower yield or excitation, or the albedo at the wavelengths that excite`);
         this.matrices.set(key, { matrix: all.slice(0, this.summed.length), albedo: elastic });
       }
-      return { ...job, albedo: albedo.map((x, w) => x * (1 - absorbed(this.nm[w]))), light: { ...this.matrices.get(key), power: this.power(composition) } };
+      return { ...job, albedo: albedo.map((x, w) => x * (1 - absorbed(this.nm[w]))), light: { ...this.matrices.get(key), ...this.power(composition) } };
     }
 
-    /** Power of the light that excites a brightener, at the wavelengths of the sum. */
+    /** Power of the light that excites a brightener, at the wavelengths of the sum; of a lamp with lines also that of all light about each of the library's. */
     power({ illuminant = "D65", condition = null }) {
       const lamp = condition ? { M0: "A", M1: "D50", M2: "D50" }[condition] : illuminant;
       if (!lamp) throw new Refusal(`condition: found ${condition}; allowed are M0, M1, M2, or none for the illuminant's light`);
       const found = this.lights.find(light => light.illuminant === lamp);
       if (!found) throw new Refusal(`found no power of ${lamp}, which excites; allowed are ${this.lights.map(light => light.illuminant).join(", ") || "none: gather the library again"}`);
-      return found.powers.map((x, i) => condition === "M2" && this.summed[i] < CUT_NM ? 0 : x);
+      return { power: found.powers.map((x, i) => condition === "M2" && this.summed[i] < CUT_NM ? 0 : x), seen: found.seen_powers || null };
     }
 
     /** Kinds of area of a print in dots: numbers of the layers on each, their shares, the spread of the light; null of a solid. */

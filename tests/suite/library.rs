@@ -128,7 +128,7 @@ fn a_composition_is_the_run_of_its_stack() {
 fn stacks_of_made_up_plates_are_those_of_numpy() {
     let library = Library::read(&data("library.json")).expect("a library");
     let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
-    assert_eq!(golden.len(), 44);
+    assert_eq!(golden.len(), 48);
     for one in golden {
         let found = composed(&library, one["composition"].clone());
         for (name, numbers) in one["numbers"].as_object().expect("numbers") {

@@ -6,11 +6,14 @@ use crate::formulas::returns::{Returns, behind_face};
 use inkwave::appearance::bare_paper::{BareSurface, PaperGeometry};
 use inkwave::appearance::fluorescence::{Fluorescence, standard_excitation, summed_nm};
 use inkwave::appearance::halftone::spread_share;
-use inkwave::appearance::paper::{Coupling, returned};
+use inkwave::appearance::paper::{Albedo, Coupling, returned};
 use inkwave::appearance::paper_series::{AreaMix, AreaOptics};
-use inkwave::evaluate::prints::PrintTask;
+use inkwave::appearance::tristimulus::Colorimeter;
+use inkwave::appearance::viewing::{Summation, Viewing};
+use inkwave::evaluate::prints::{Brightened, PrintTask, lit_factors};
 use inkwave::input::check::check;
-use inkwave::input::study::Study;
+use inkwave::input::study::{Paper, Study};
+use std::cmp::Ordering;
 
 pub const MEASURED: Claim = Claim {
     id: "40-measured-paper",
@@ -22,7 +25,7 @@ pub const MEASURED: Claim = Claim {
 
 pub const BRIGHTENED: Claim = Claim {
     id: "41-brightened-paper",
-    statement: "Paper that fluoresces sends up what light going back and forth return by return excites; without a brightener nothing changes in any digit; no quanta are made; a pair of measurements with and without ultraviolet light is returned.",
+    statement: "Paper that fluoresces sends up what light going back and forth return by return excites; without a brightener nothing changes in any digit; no quanta are made; a pair of measurements with and without ultraviolet light is returned; under lamps with lines its colour is that of a sum over every nanometre.",
     because: "The returns are a geometric series in Donaldson's matrix, which is triangular: one pass over rising wavelengths sums it. Without returns it is Hersch's relation (2008).",
     file: file!(),
     measure: brightened,
@@ -168,6 +171,83 @@ fn brightened(_: Level, findings: &mut Findings) {
     let what = "quanta sent up per quantum, yield 1 on a white paper";
     findings.check(what, most, Bound::AtMost(1.0 + 1e-12), Reason::Identity, because);
     pair(findings);
+    lamps(findings);
+}
+
+/// Colours under lamps with lines, of bare paper and through an ink that takes violet light.
+fn lamps(findings: &mut Findings) {
+    let ink = |nm: f64| {
+        let taken = 0.5 * (-0.5 * ((nm - 425.0) / 30.0).powi(2)).exp();
+        Area { entering: 0.9 * (1.0 - taken), leaving: 0.4 * (1.0 - taken), back: 0.5 * (1.0 - taken) }
+    };
+    let bare = |_: f64| BARE;
+    let kinds: [&dyn Fn(f64) -> Area; 2] = [&bare, &ink];
+    let mut error: f64 = 0.0;
+    let mut least = f64::INFINITY;
+    for name in ["F2", "F11", "F12"] {
+        let lamp = Viewing::new(name, "2", Summation::Plain).expect("a lamp");
+        for area in kinds {
+            let [dark, truth] = [0.0, 0.8].map(|quanta| every_nanometre(&lamp, area, quanta));
+            least = least.min(distance(dark, truth));
+            for step in [5, 10] {
+                error = error.max(distance(truth, in_steps(&lamp, area, step)));
+            }
+        }
+    }
+    let because = "an eye weighs a line as the wavelengths about it: a seventh of the 2 that the brightener does under F12";
+    findings.promise("ΔE*ab under F2, F11 and F12 in steps of 5 and 10 nm", error, 0.3, because);
+    let what = "least ΔE*ab that the brightener makes there";
+    findings.check(what, least, Bound::AtLeast(0.3), Reason::Promise, "else there were nothing to compare");
+}
+
+/// L*, a*, b* of a kind of area over the brightened paper, by sums over every nanometre, return by return.
+fn every_nanometre(lamp: &Viewing, area: &dyn Fn(f64) -> Area, quantum_yield: f64) -> [f64; 3] {
+    let nm: Vec<f64> = (380..=730).map(f64::from).collect();
+    let light: Vec<f64> = nm.iter().map(|&nm| lamp.power(nm)).collect();
+    let taken = |nm: f64| brightener(0.0).absorbed(nm);
+    // the emission of [`brightener`] and its area, that of three trapezia
+    let emission = |nm: f64| match nm {
+        400.0..440.0 => (nm - 400.0) / 40.0,
+        440.0..470.0 => 1.0 - 0.5 * (nm - 440.0) / 30.0,
+        470.0..540.0 => 0.5 * (540.0 - nm) / 70.0,
+        _ => 0.0,
+    };
+    let sent = |to: f64, from: f64| quantum_yield / 60.0 * emission(to) * taken(from) * from / to;
+    let row = |(w, &to): (usize, &f64)| {
+        let from = |(v, &from): (usize, &f64)| match v.cmp(&w) {
+            Ordering::Less => sent(to, from),
+            Ordering::Equal => 0.9 * (1.0 - taken(to)),
+            Ordering::Greater => 0.0,
+        };
+        nm.iter().enumerate().map(from).collect()
+    };
+    let paper: Vec<Vec<f64>> = nm.iter().enumerate().map(row).collect();
+    let areas: Vec<Vec<Area>> = nm.iter().map(|&nm| vec![area(nm)]).collect();
+    let returns = Returns { areas: &areas, shares: &[1.0], spread: 1.0, paper: &paper, light: &light };
+    // a hundredth of the light is left by 0.6 to the power of ten returns
+    Colorimeter::under(&nm, lamp).expect("an eye").colour(&returns.factors(40)).expect("a colour").lab
+}
+
+/// L*, a*, b* of a kind of area over the brightened paper as the program sums them over equal steps.
+fn in_steps(lamp: &Viewing, area: &dyn Fn(f64) -> Area, step: usize) -> [f64; 3] {
+    let nm: Vec<f64> = (380..=730_u32).step_by(step).map(f64::from).collect();
+    let fluorescence = brightener(0.8);
+    let albedo = fluorescence.left_of(&Albedo::Constant(0.9), &nm);
+    let albedos: Vec<f64> = nm.iter().map(|&nm| albedo.at(nm).expect("in range")).collect();
+    let coupling = Coupling::OpticalContact { index: 1.5 };
+    let source = String::new();
+    let fluorescence = Some(fluorescence);
+    let paper = Paper { source, albedo, coupling, measured: None, fluorescence, dots: None };
+    let mix = AreaMix::whole();
+    let kind: Vec<AreaOptics> = nm.iter().map(|&nm| optics(area(nm))).collect();
+    let light = Brightened::new(&paper, &nm, lamp, 0.0).expect("a brightener");
+    let emitted = light.below(&mix, &[&kind], &nm);
+    let factors = lit_factors(&mix, &[&kind], &albedos, Some(&emitted), &nm);
+    Colorimeter::under(&nm, lamp).expect("an eye").colour(&factors).expect("a colour").lab
+}
+
+fn distance(one: [f64; 3], other: [f64; 3]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// A paper measured with and without ultraviolet light.

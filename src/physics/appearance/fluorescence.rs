@@ -12,6 +12,7 @@
 //! radiance factor at λ per band of light at μ, so that f is the entry over the width of a band.
 
 use super::paper::Albedo;
+use super::viewing::Viewing;
 
 /// Step of the wavelengths at which excitation is summed, nm.
 pub const STEP_NM: f64 = 5.0;
@@ -144,6 +145,11 @@ pub fn summed_nm(first_nm: f64, last_nm: f64) -> Vec<f64> {
     let first = (first_nm.max(SHORTEST_NM) / STEP_NM).ceil() as usize;
     let last = (last_nm / STEP_NM).floor() as usize;
     (first..=last).map(|k| STEP_NM * k as f64).collect()
+}
+
+/// Powers of a light at these wavelengths, each for the light about it.
+pub fn summed_powers(light: &Viewing, summed_nm: &[f64]) -> Vec<f64> {
+    summed_nm.iter().map(|&nm| light.mean_power([nm - STEP_NM, nm, nm + STEP_NM])).collect()
 }
 
 /// A value of rising rows, linear between them and nothing beyond.

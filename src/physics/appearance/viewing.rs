@@ -68,6 +68,9 @@ pub enum ColourError {
     },
 }
 
+/// Step of the tables of illuminants, nm.
+const TABLE_STEP_NM: f64 = 1.0;
+
 /// Illuminants without spectral lines.
 const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
 
@@ -170,6 +173,38 @@ impl Viewing {
         cie::power(&self.illuminant, nm)
     }
 
+    /// Power that stands for the light about `at` nm in a sum over wavelengths of which `from` and
+    /// `to` are the neighbours: of a lamp with lines the mean over whole nanometres, with weights
+    /// that fall from 1 at `at` to 0 at its neighbours. Factors that are linear between wavelengths
+    /// then meet the power of every line once. Of a smooth light it is the power there.
+    pub fn mean_power(&self, [from, at, to]: [f64; 3]) -> f64 {
+        if !self.has_lines() || (at - from).max(to - at) <= TABLE_STEP_NM {
+            return self.power(at);
+        }
+        let below = |nm: f64| if at > from { (nm - from) / (at - from) } else { 1.0 };
+        let above = |nm: f64| if to > at { (to - nm) / (to - at) } else { 1.0 };
+        let mut light = 0.0;
+        let mut all = 0.0;
+        for nm in (from.ceil() as u32..=to.floor() as u32).map(f64::from) {
+            let weight = below(nm).min(above(nm));
+            light += weight * self.power(nm);
+            all += weight;
+        }
+        if all > 0.0 { light / all } else { self.power(at) }
+    }
+
+    /// [`Viewing::mean_power`] at every wavelength of a list, whose rising parts are sums of their
+    /// own.
+    pub fn mean_powers(&self, wavelengths_nm: &[f64]) -> Vec<f64> {
+        let mean = |i: usize| {
+            let at = wavelengths_nm[i];
+            let before = i.checked_sub(1).map(|k| wavelengths_nm[k]).filter(|nm| *nm < at);
+            let behind = wavelengths_nm.get(i + 1).copied().filter(|nm| *nm > at);
+            self.mean_power([before.unwrap_or(at), at, behind.unwrap_or(at)])
+        };
+        (0..wavelengths_nm.len()).map(mean).collect()
+    }
+
     /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
     pub(super) fn row(&self, nm: usize) -> [f64; 3] {
         // names are checked where a `Viewing` is made, and all callers stay inside the tables
@@ -184,6 +219,32 @@ impl Viewing {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of a lamp with lines the means over every wavelength of a sum hold all of its light, however
+    /// coarse the sum; those of daylight are its power. *Planted*: the power at the wavelength.
+    #[test]
+    fn means_hold_the_light_of_all_lines() {
+        for name in ["F2", "F11", "F12"] {
+            let lamp = Viewing::new(name, "2", Summation::Plain).unwrap();
+            let all: f64 = (400..=700).map(|nm| lamp.power(f64::from(nm))).sum();
+            for step in [5_u32, 12, 20] {
+                let nm: Vec<f64> = (400..=700).step_by(step as usize).map(f64::from).collect();
+                let inner = lamp.mean_powers(&nm)[1..nm.len() - 1].iter().sum::<f64>() * f64::from(step);
+                // the first and the last wavelength have half of the weights on one side
+                let half = |from: u32, to: u32| {
+                    let weight = |nm: u32| 1.0 - f64::from(nm.abs_diff(from)) / f64::from(step);
+                    (from.min(to)..=from.max(to))
+                        .map(|nm| weight(nm) * lamp.power(f64::from(nm)))
+                        .sum::<f64>()
+                };
+                let ends = half(400, 400 + step) + half(700, 700 - step);
+                // identity: rounding of 300 terms
+                assert!(((inner + ends) / all - 1.0).abs() < 1e-12, "{name} {step}: {inner} {ends} {all}");
+            }
+        }
+        let daylight = Viewing::default();
+        assert_eq!(daylight.mean_power([400.0, 420.0, 440.0]), daylight.power(420.0));
+    }
 
     #[test]
     fn names_are_found_in_any_case_and_others_are_refused_with_a_list() {

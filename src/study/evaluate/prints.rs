@@ -6,7 +6,7 @@ mod between;
 mod emission;
 mod tint;
 
-pub use emission::{Brightened, EmittedLight};
+pub use emission::{Brightened, EmittedLight, lit_factors};
 pub use tint::{InkCoverage, PrintedTint};
 
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
@@ -80,6 +80,11 @@ fn bare_area(coupling: Coupling) -> AreaOptics {
     AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() }
 }
 
+/// Albedos of a paper, NaN where it has none.
+fn albedos_at(paper: &Paper, wavelengths_nm: &[f64]) -> Vec<f64> {
+    wavelengths_nm.iter().map(|&nm| paper.albedo.at(nm).unwrap_or(f64::NAN)).collect()
+}
+
 /// Radiance factors of a study's bare paper at 45:0 under D65, at the study's wavelengths.
 pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     let nm = &study.wavelengths_nm;
@@ -87,11 +92,7 @@ pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     let mix = AreaMix::whole();
     let daylight = Brightened::new(&study.paper, nm, &Viewing::default(), 0.0);
     let emitted = daylight.as_ref().map(|light| light.below(&mix, &[&bare], nm));
-    let factor = |(&nm, area): (&f64, &AreaOptics)| {
-        let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
-        mix.factor(&[*area], study.paper.albedo.at(nm).unwrap_or(f64::NAN), &emitted)
-    };
-    nm.iter().zip(&bare).map(factor).collect()
+    lit_factors(&mix, &[&bare], &albedos_at(&study.paper, nm), emitted.as_ref(), nm)
 }
 
 /// What bare paper does of L*, a*, b* at 45:0 between wavelengths, under a light where it
@@ -108,11 +109,7 @@ pub(super) fn paper_between(
     let mix = AreaMix::whole();
     let emitted = light.map(|light| light.below(&mix, &[&bare], nm));
     let beyond = between.beyond(&mix, &[&bare], emitted.as_ref(), nm);
-    let factor = |(&nm, area): (&f64, &AreaOptics)| {
-        let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
-        mix.factor(&[*area], paper.albedo.at(nm).unwrap_or(f64::NAN), &emitted)
-    };
-    let factors: Vec<f64> = nm.iter().zip(&bare).map(factor).collect();
+    let factors = lit_factors(&mix, &[&bare], &albedos_at(paper, nm), emitted.as_ref(), nm);
     let Ok(xyz) = eye.xyz(&factors[visible(nm)]) else { return [0.0; 3] };
     let coarse = eye.colour_of(xyz).lab;
     let fine = eye.colour_of(std::array::from_fn(|c| xyz[c] + beyond[c])).lab;
@@ -153,7 +150,7 @@ impl<'a> PrintTask<'a> {
     /// The prints of a study; `None` where there is a solid alone on paper without a brightener,
     /// and where its wavelengths carry no colour.
     pub fn new(study: &'a Study) -> Option<Self> {
-        let Paper { fluorescence, dots, coupling, albedo, .. } = &study.paper;
+        let Paper { fluorescence, dots, coupling, .. } = &study.paper;
         if fluorescence.is_none() && dots.is_none() {
             return None;
         }
@@ -193,7 +190,7 @@ impl<'a> PrintTask<'a> {
             viewing: viewing.name(),
             others: mixed.map_or(&[][..], |(_, mixed)| mixed.layers.as_slice()),
             bare: bare_area(*coupling),
-            albedos: nm.iter().map(|&nm| albedo.at(nm).unwrap_or(f64::NAN)).collect(),
+            albedos: albedos_at(&study.paper, nm),
             lights,
         })
     }
@@ -291,12 +288,7 @@ impl<'a> PrintTask<'a> {
                 [exciting].into_iter().chain(kinds[1..].iter().copied()).collect();
             light.below(&mix, &exciting, nm)
         });
-        let factor = |(i, &nm): (usize, &f64)| {
-            let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
-            let areas: Vec<AreaOptics> = kinds.iter().map(|kind| kind[i]).collect();
-            mix.factor(&areas, self.albedos[i], &emitted)
-        };
-        let factors: Vec<f64> = nm.iter().enumerate().map(factor).collect();
+        let factors = lit_factors(&mix, &kinds, &self.albedos, emitted.as_ref(), nm);
         let mut xyz = self.eye.xyz(self.seen(&factors)).unwrap_or([f64::NAN; 3]);
         if let Some(between) = &self.between {
             let beyond = between.beyond(&mix, &kinds, emitted.as_ref(), nm);

@@ -30,7 +30,7 @@ use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
 use crate::evaluate::printed::open_between;
-use crate::evaluate::prints::{Brightened, PrintNumbers, paper_between};
+use crate::evaluate::prints::{Brightened, PrintNumbers, lit_factors, paper_between};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use crate::input::measured::MeasuredCondition;
@@ -329,12 +329,7 @@ impl<'a> CompositionTask<'a> {
         let kinds: Vec<&[AreaOptics]> = optics.iter().map(Vec::as_slice).collect();
         let factors = |mix: &AreaMix| -> Vec<f64> {
             let emitted = self.light.as_ref().map(|light| light.below(mix, &kinds, nm));
-            let factor = |(w, albedo): (usize, &f64)| {
-                let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm[w]));
-                let here: Vec<AreaOptics> = kinds.iter().map(|kind| kind[w]).collect();
-                mix.factor(&here, *albedo, &emitted)
-            };
-            self.albedos.iter().enumerate().map(factor).collect()
+            lit_factors(mix, &kinds, &self.albedos, emitted.as_ref(), nm)
         };
         let colour = |factors: &[f64]| {
             let seen = &factors[visible(nm)];

@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-9;
 #[serde(deny_unknown_fields)]
 pub struct Library {
     /// Version of this form of file: 4; 1 lacks `lights`, 2 amplitudes of light turned back by air,
-    /// 3 slabs whose mean index is below that of the joints.
+    /// 3 `seen_powers` and slabs whose mean index is below that of the joints.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,
@@ -88,8 +88,13 @@ pub struct LibraryEye {
 pub struct LibraryLight {
     /// Its name, such as `D65`.
     pub illuminant: String,
-    /// Relative powers at the multiples of 5 nm within the library's wavelengths, from 300 nm on.
+    /// Relative powers at the multiples of 5 nm within the library's wavelengths, from 300 nm on;
+    /// of a lamp with lines the means of the light about each of them.
     pub powers: Vec<f64>,
+    /// Those of a lamp with lines at the library's wavelengths, for the light that each stands for;
+    /// none of smooth lights, whose `powers` are linear in between.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seen_powers: Vec<f64>,
 }
 
 /// A pigment of a plate.

@@ -85,12 +85,12 @@ pub(super) fn brightened(
         |layer: &SpectralLayer| AreaOptics { entering: layer.numbers.transmittance_diffuse, ..layer.at_45 };
     let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
     let mix = AreaMix::whole();
-    let lit = light.below(&mix, &[&at_45], wavelengths_nm);
-    let sky = light.below(&mix, &[&natural], wavelengths_nm);
-    for ((layer, &nm), albedo) in all.iter_mut().zip(wavelengths_nm).zip(albedos) {
+    let lit = light.below(&mix, &[&at_45], wavelengths_nm).relative(wavelengths_nm);
+    let sky = light.below(&mix, &[&natural], wavelengths_nm).relative(wavelengths_nm);
+    for (((layer, lit), sky), albedo) in all.iter_mut().zip(lit).zip(sky).zip(albedos) {
         let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
-        layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
-        layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+        layer.numbers.lit_at_45 += leaving * lit.iter().sum::<f64>();
+        layer.numbers.natural_light += leaving * sky.iter().sum::<f64>();
     }
     all
 }

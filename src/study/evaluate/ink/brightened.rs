@@ -73,7 +73,7 @@ fn shares(
     let emitted = |change: &dyn Fn(&AreaOptics) -> AreaOptics| -> Vec<f64> {
         let moved: Vec<AreaOptics> = optics.iter().map(change).collect();
         let light = brightened.below(&AreaMix::whole(), &[&moved], outputs_nm);
-        places_nm.iter().map(|nm| light.relative(*nm).first().copied().unwrap_or(0.0)).collect()
+        light.relative(places_nm).iter().map(|kinds| kinds.first().copied().unwrap_or(0.0)).collect()
     };
     let here = emitted(&|area| *area);
     let by_r = emitted(&|area| AreaOptics { lost: area.lost - STEP, ..*area });

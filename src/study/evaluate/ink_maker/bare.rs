@@ -5,6 +5,7 @@ use super::{BLACK, WHITE, in_light_of};
 use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::evaluate::ink::{InkError, InkOnPaper};
+use crate::evaluate::prints::lit_factors;
 use crate::input::study::Study;
 
 /// The ink lit at 45° and seen along the normal, without its paper.
@@ -39,11 +40,8 @@ impl BareInk {
         let mix = AreaMix::whole();
         let light = in_light_of(study)?;
         let emitted = light.as_ref().map(|light| light.below(&mix, &[&self.at_45], nm));
-        let mut factors = Vec::new();
-        for (area, &nm) in self.at_45.iter().zip(nm) {
-            let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
-            factors.push(mix.factor(&[*area], study.paper.albedo.at(nm)?, &emitted));
-        }
+        let albedos = nm.iter().map(|&nm| study.paper.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
+        let mut factors = lit_factors(&mix, &[&self.at_45], &albedos, emitted.as_ref(), nm);
         for albedo in [BLACK, WHITE] {
             factors.extend(self.at_45.iter().map(|area| mix.factor(&[*area], albedo, &[])));
         }

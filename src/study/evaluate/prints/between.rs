@@ -15,7 +15,6 @@ const SMOOTH: f64 = 1e-12;
 /// A place between the wavelengths.
 #[derive(Clone, Debug)]
 struct PaperPlace {
-    nm: f64,
     albedo: f64,
     /// (wavelength, weight) of the sum of the study's wavelengths there.
     shares: Vec<(usize, f64)>,
@@ -42,22 +41,22 @@ impl PaperBetween {
         }
         let (first, last) = (grid[0], grid[grid.len() - 1]);
         let intervals = ((last - first) / STEP_NM - 1e-9).ceil();
+        let place_nm = |k: usize| first + (last - first) * k as f64 / intervals;
+        let places_nm: Vec<f64> = (0..=intervals as usize).map(place_nm).collect();
         let mut places = Vec::new();
-        for k in 0..=intervals as usize {
-            let nm = first + (last - first) * k as f64 / intervals;
+        for &nm in &places_nm {
             let shares: Vec<(usize, f64)> =
                 lagrange_shares(grid, nm).into_iter().map(|(i, share)| (seen.start + i, share)).collect();
             let albedo = |nm: f64| paper.albedo.at(nm).ok();
             let known = |&(i, share): &(usize, f64)| Some(share * albedo(wavelengths_nm[i])?);
             let smooth = shares.iter().map(known).sum::<Option<f64>>()?;
-            places.push(PaperPlace { nm, albedo: albedo(nm)?, shares, smooth });
+            places.push(PaperPlace { albedo: albedo(nm)?, shares, smooth });
         }
         let is_smooth = places.iter().all(|place| (place.albedo - place.smooth).abs() < SMOOTH);
         if is_smooth && paper.fluorescence.is_none() {
             return None;
         }
-        let nm: Vec<f64> = places.iter().map(|place| place.nm).collect();
-        Some(Self { places, eye: Colorimeter::under(&nm, viewing).ok()? })
+        Some(Self { places, eye: Colorimeter::under(&places_nm, viewing).ok()? })
     }
 
     /// X, Y, Z of a print beyond those of its sum over the study's wavelengths.
@@ -68,18 +67,18 @@ impl PaperBetween {
         emitted: Option<&EmittedLight>,
         wavelengths_nm: &[f64],
     ) -> [f64; 3] {
-        let at = |nm: f64| emitted.map_or(Vec::new(), |emitted| emitted.relative(nm));
-        let of_wavelengths: Vec<Vec<f64>> = wavelengths_nm.iter().map(|&nm| at(nm)).collect();
-        let difference = |place: &PaperPlace| {
+        let of_wavelengths = EmittedLight::of(emitted, wavelengths_nm);
+        let of_places = EmittedLight::of(emitted, self.eye.wavelengths_nm());
+        let difference = |(place, emitted): (&PaperPlace, &Vec<f64>)| {
             let areas: Vec<AreaOptics> =
                 kinds.iter().map(|kind| AreaOptics::sum(kind, &place.shares)).collect();
             let mut smooth = vec![0.0; of_wavelengths.first().map_or(0, Vec::len)];
             for &(i, share) in &place.shares {
                 smooth.iter_mut().zip(&of_wavelengths[i]).for_each(|(sum, emitted)| *sum += share * emitted);
             }
-            mix.factor(&areas, place.albedo, &at(place.nm)) - mix.factor(&areas, place.smooth, &smooth)
+            mix.factor(&areas, place.albedo, emitted) - mix.factor(&areas, place.smooth, &smooth)
         };
-        let differences: Vec<f64> = self.places.iter().map(difference).collect();
+        let differences: Vec<f64> = self.places.iter().zip(&of_places).map(difference).collect();
         self.eye.xyz(&differences).unwrap_or([f64::NAN; 3])
     }
 }

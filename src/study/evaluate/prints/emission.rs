@@ -1,6 +1,6 @@
 //! Light that a brightened paper emits below the kinds of area of a print.
 
-use crate::appearance::fluorescence::{CUT_NM, summed_nm};
+use crate::appearance::fluorescence::{CUT_NM, summed_nm, summed_powers};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
@@ -14,6 +14,8 @@ pub struct Brightened {
     albedos: Vec<f64>,
     light: Vec<f64>,
     matrix: Vec<Vec<f64>>,
+    /// The light, where it has lines.
+    lamp: Option<Viewing>,
 }
 
 /// What the paper below every kind of area emits, against wavelength.
@@ -51,13 +53,14 @@ impl Brightened {
     pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
         let fluorescence = paper.fluorescence.as_ref()?;
         let grid_nm = summed_nm(*wavelengths_nm.first()?, *wavelengths_nm.last()?);
-        let power = |&nm: &f64| if nm < cut_nm { 0.0 } else { viewing.power(nm) };
+        let powers = grid_nm.iter().zip(summed_powers(viewing, &grid_nm));
         let albedo = |&nm: &f64| paper.albedo.at(nm).unwrap_or(f64::NAN);
         Some(Self {
             albedos: grid_nm.iter().map(albedo).collect(),
-            light: grid_nm.iter().map(power).collect(),
+            light: powers.map(|(&nm, power)| if nm < cut_nm { 0.0 } else { power }).collect(),
             matrix: fluorescence.matrix(&grid_nm),
             grid_nm,
+            lamp: viewing.has_lines().then(|| viewing.clone()),
         })
     }
 
@@ -70,9 +73,40 @@ impl Brightened {
     }
 }
 
+/// Radiance factors of kinds of area at wavelengths on paper of these albedos, under light of which
+/// the paper emits this besides.
+pub fn lit_factors(
+    mix: &AreaMix,
+    kinds: &[&[AreaOptics]],
+    albedos: &[f64],
+    emitted: Option<&EmittedLight>,
+    wavelengths_nm: &[f64],
+) -> Vec<f64> {
+    let emitted = EmittedLight::of(emitted, wavelengths_nm);
+    let factor = |(i, albedo): (usize, &f64)| {
+        let areas: Vec<AreaOptics> = kinds.iter().map(|kind| kind[i]).collect();
+        mix.factor(&areas, *albedo, &emitted[i])
+    };
+    albedos.iter().enumerate().map(factor).collect()
+}
+
 impl EmittedLight<'_> {
-    /// S_k/E at a wavelength; nothing where there is no light to compare with.
-    pub fn relative(&self, nm: f64) -> Vec<f64> {
+    /// [`EmittedLight::relative`], empty at every wavelength where nothing is emitted.
+    pub(super) fn of(emitted: Option<&Self>, wavelengths_nm: &[f64]) -> Vec<Vec<f64>> {
+        emitted.map_or(vec![Vec::new(); wavelengths_nm.len()], |light| light.relative(wavelengths_nm))
+    }
+
+    /// S_k/E at every wavelength of a list that a colour or a spectrum takes; nothing where there
+    /// is no light to compare with. E is the light that each of them stands for in a sum: S is
+    /// smooth where a lamp has lines, and S/E times the sum's weight of such a line is S again.
+    pub fn relative(&self, wavelengths_nm: &[f64]) -> Vec<Vec<f64>> {
+        let means = self.brightened.lamp.as_ref().map(|lamp| lamp.mean_powers(wavelengths_nm));
+        let mean = |i: usize| means.as_ref().map(|means| means[i]);
+        wavelengths_nm.iter().enumerate().map(|(i, &nm)| self.relative_to(nm, mean(i))).collect()
+    }
+
+    /// S_k/E at a wavelength, over this power or that of the light there.
+    fn relative_to(&self, nm: f64, power: Option<f64>) -> Vec<f64> {
         let Brightened { grid_nm, light, .. } = self.brightened;
         let after = grid_nm.partition_point(|&x| x < nm).min(grid_nm.len().saturating_sub(1));
         let below =
@@ -80,7 +114,7 @@ impl EmittedLight<'_> {
         let (Some(from), Some(to)) = (grid_nm.get(below), grid_nm.get(after)) else { return Vec::new() };
         let share = if to > from { ((nm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         let mix = |low: f64, high: f64| low + share * (high - low);
-        let power = mix(light[below], light[after]);
+        let power = power.unwrap_or(mix(light[below], light[after]));
         let kinds = self.emitted[below].iter().zip(&self.emitted[after]);
         kinds.map(|(low, high)| if power > 0.0 { mix(*low, *high) / power } else { 0.0 }).collect()
     }

@@ -7,7 +7,7 @@ use super::{
     ROUNDING,
 };
 use crate::appearance::composed::ordinates::Ordinates;
-use crate::appearance::fluorescence::summed_nm;
+use crate::appearance::fluorescence::{summed_nm, summed_powers};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::study::{Composed, LayerPlates, Study};
@@ -146,8 +146,9 @@ pub(super) fn lights(wavelengths_nm: &[f64]) -> Vec<LibraryLight> {
     let nm = summed_nm(from_nm, to_nm);
     let light = |illuminant: &str| {
         let viewing = Viewing::new(illuminant, OBSERVERS[0], Summation::Plain).ok()?;
-        let powers = nm.iter().map(|&nm| viewing.power(nm)).collect();
-        Some(LibraryLight { illuminant: illuminant.to_owned(), powers })
+        let powers = summed_powers(&viewing, &nm);
+        let seen_powers = if viewing.has_lines() { viewing.mean_powers(wavelengths_nm) } else { Vec::new() };
+        Some(LibraryLight { illuminant: illuminant.to_owned(), powers, seen_powers })
     };
     ILLUMINANTS.into_iter().filter_map(light).collect()
 }
