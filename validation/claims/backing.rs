@@ -204,7 +204,8 @@ fn lamps(findings: &mut Findings) {
 fn every_nanometre(lamp: &Viewing, area: &dyn Fn(f64) -> Area, quantum_yield: f64) -> [f64; 3] {
     let nm: Vec<f64> = (380..=730).map(f64::from).collect();
     let light: Vec<f64> = nm.iter().map(|&nm| lamp.power(nm)).collect();
-    let taken = |nm: f64| brightener(0.0).absorbed(nm);
+    let dark = brightener(0.0);
+    let taken = |nm: f64| dark.absorbed(nm);
     // the emission of [`brightener`] and its area, that of three trapezia
     let emission = |nm: f64| match nm {
         400.0..440.0 => (nm - 400.0) / 40.0,
@@ -224,7 +225,7 @@ fn every_nanometre(lamp: &Viewing, area: &dyn Fn(f64) -> Area, quantum_yield: f6
     let paper: Vec<Vec<f64>> = nm.iter().enumerate().map(row).collect();
     let areas: Vec<Vec<Area>> = nm.iter().map(|&nm| vec![area(nm)]).collect();
     let returns = Returns { areas: &areas, shares: &[1.0], spread: 1.0, paper: &paper, light: &light };
-    // a hundredth of the light is left by 0.6 to the power of ten returns
+    // the light is 0.54 of its own a return later: rounding after forty
     Colorimeter::under(&nm, lamp).expect("an eye").colour(&returns.factors(40)).expect("a colour").lab
 }
 
