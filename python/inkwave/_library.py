@@ -919,9 +919,8 @@ class _TrappedSlab:
         self.depth = 0.5 + 0.5 * (behind & ~front) - 0.5 * (front & ~behind)
         self.both = np.ones_like(front), np.ones_like(front)
         self._seen: Dict[Any, _Once] = {}
-        least = np.minimum(portion.between.min(1), within)
-        self.goes_on = least > library.joint_index - _NARROWEST
-        self.within = within[:, None]
+        self.least = np.minimum(portion.between.min(1), within)[:, None]
+        self.goes_on = self.least[:, 0] > library.joint_index - _NARROWEST
         own = np.stack([one.amplitudes[..., p, :] for one in states])
         onward = own[..., 1, :, 1]
         root = np.sqrt(onward * own[..., 0, :, 1])
@@ -953,6 +952,9 @@ class _TrappedSlab:
         with np.errstate(all="ignore"):
             squared = self._even_of(measured, 0.0, np.zeros(measured.shape))[0]
             even = self.film(squared[..., None], sines, self.both).powers()
+        in_front, behind = self.before > sines**2, self.behind > sines**2
+        turned_back = _Film(np.where(in_front, np.minimum(even.ra, 1.0), 1.0), 0 * even.ra + 1.0, 0 * even.ra)
+        even = even.where(in_front & behind, turned_back)
         here = self.goes_on[:, None]
         self.known = np.where(here, self.known, np.array([squared, *np.zeros((3, *squared.shape))])[..., None])
         self.solved = self.solved.where(here, even)
@@ -1054,7 +1056,7 @@ class _TrappedStacks:
         self.decays = np.zeros((*self.shape, self.sines.size), bool)
         for groups in self.alike:
             for some, slabs in groups:
-                self.decays[some] |= np.any([slab.within <= self.sines[None, :] for slab, _ in slabs], axis=0)
+                self.decays[some] |= np.any([slab.least <= self.sines[None, :] for slab, _ in slabs], axis=0)
 
     def _place(self, sine: np.ndarray) -> np.ndarray:
         return np.asarray(np.sqrt(np.maximum(self.joint**2 - sine * sine, 0.0)))
@@ -1107,7 +1109,7 @@ class _TrappedStacks:
             if not kind:
                 return film
             powers = film.powers()
-            return powers.where(slab.within > sine[None, :], _Film(0 * powers.ra + 1.0, 0 * powers.ra + 1.0, 0 * powers.ra))
+            return powers.where(slab.least > sine[None, :], _Film(0 * powers.ra + 1.0, 0 * powers.ra + 1.0, 0 * powers.ra))
 
         r = self._turned_back(some, (face.powers() if kind else face).ra, kind, film_of)
         r = r if kind else np.abs(r) ** 2

@@ -716,7 +716,9 @@ const inkwave = (() => {
         if (d === 0) [normal] = evenOf(measured, 0, 0);
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
         if (!goesOn) {
-          known.push({ squared: normal, further: [0, 0], solved: powers(film(normal, sine, [true, true])), reflected: [[0, 0], [0, 0]] });
+          const even = powers(film(normal, sine, [true, true])), [behindIt, inFront] = between.map(n => n > sine);
+          const solved = inFront && behindIt ? even : { ra: inFront ? Math.min(even.ra, 1) : 1, rb: 1, t: 0 };
+          known.push({ squared: normal, further: [0, 0], solved, reflected: [[0, 0], [0, 0]] });
           return;
         }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
@@ -743,7 +745,7 @@ const inkwave = (() => {
       };
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
       const solved = (d, times) => inner ? { ...known[d].solved, t: known[d].solved.t ** times } : powersRepeated(known[d].solved, times);
-      this.turnedBack.set(key, { at, solved, goesOn, turns, decays: sine => index <= sine });
+      this.turnedBack.set(key, { at, solved, goesOn, turns, decays: sine => Math.min(...between, index) <= sine });
       return this.turnedBack.get(key);
     }
 

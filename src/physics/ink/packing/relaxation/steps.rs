@@ -14,8 +14,9 @@ struct BodyStep {
     turn: V3,
 }
 
-/// How many more bodies may pass a gate one way than the other, besides one, over all. Where none may,
-/// those that must wait for another gather about the gate: 15 % more grains within 30 nm of it.
+/// Bodies that may pass a gate one way, beyond one, without another that passes the other way, as a
+/// share of all. Without this, those that must wait gather about the gate: 15 % more grains within
+/// 30 nm of it.
 const MOST_PASSED: f64 = 0.01;
 
 /// A depth at which the density of a profile steps.
