@@ -6,9 +6,10 @@
 //! is a polynomial in both. The fit is that of thin coats on this table; the table's errors are among those of the
 //! data.
 
+use super::data::Data;
 use super::face::SampleFace;
 use super::file::FitGeometry;
-use super::law::{Data, rms};
+use super::law::rms;
 use super::load::{Drawdown, FitTask};
 use super::response::{Response, Spectra};
 use super::run::{Branch, FitError, FitOutcome, FittedIndex, Forecast, Trust, descend, near, prior_of};
@@ -253,7 +254,8 @@ impl NodeTable {
             all(&thicker),
         ];
         let values = all(&|place, eta| value(place, eta) + log * thicker(place, eta));
-        Response { replicates: vec![Vec::new(); values.len()], values, slopes }
+        let none = vec![Vec::new(); values.len()];
+        Response { replicates: none.clone(), slope_replicates: none, values, slopes }
     }
 
     /// Error of a value: that of the nodes about it, linear in ln κ, and between them. Nodes of white

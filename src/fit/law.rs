@@ -1,11 +1,6 @@
 //! Linear least squares with a prior: the step of Gauss–Newton, the evidence of the data, and the
 //! covariance of the unknowns.
-//! The data of a fit are linearised at some unknowns, with all that is known of their errors.
 
-use super::load::FitTask;
-use super::prior::IndexPrior;
-use super::response::Response;
-use crate::numerics::estimate::jackknife_covariance;
 use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
 use faer::{Mat, Side};
 
@@ -42,6 +37,10 @@ pub struct FitStep {
     pub gain: Mat<f64>,
     /// Covariance of the unknowns for data of the stated covariance.
     pub posterior: Mat<f64>,
+    /// From these unknowns to the most likely ones by the linear problem.
+    pub away: Vec<f64>,
+    /// By how much the cost would fall on that way.
+    pub promised: f64,
 }
 
 /// Root mean square; 0 of no numbers.
@@ -50,21 +49,31 @@ pub fn rms(numbers: impl IntoIterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-fn cholesky(matrix: &Mat<f64>) -> Option<Llt<f64>> {
+pub(super) fn cholesky(matrix: &Mat<f64>) -> Option<Llt<f64>> {
     matrix.llt(Side::Lower).ok()
 }
 
-fn log_determinant(factors: &Llt<f64>) -> f64 {
+pub(super) fn log_determinant(factors: &Llt<f64>) -> f64 {
     (0..factors.L().nrows()).map(|i| 2.0 * factors.L()[(i, i)].ln()).sum()
 }
 
-fn column(values: &[f64]) -> Mat<f64> {
+pub(super) fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 
 impl LinearFit<'_> {
     /// The most likely unknowns; `None` if a matrix is not positive definite.
     pub fn step(&self) -> Option<FitStep> {
+        self.solved(false)
+    }
+
+    /// The unknowns at which the data are linearised, where nothing is extrapolated, and the way
+    /// from there to the most likely ones; `None` if a matrix is not positive definite.
+    pub fn here(&self) -> Option<FitStep> {
+        self.solved(true)
+    }
+
+    fn solved(&self, is_here: bool) -> Option<FitStep> {
         let covariance = cholesky(self.covariance)?;
         let weighted = covariance.solve(self.jacobian); // C⁻¹ J
         let normal = self.jacobian.transpose() * &weighted + self.precision;
@@ -73,7 +82,10 @@ impl LinearFit<'_> {
         let mean = column(self.mean);
         let data = column(self.residual) + self.jacobian * column(self.point);
         let right = weighted.transpose() * &data + self.precision * &mean;
-        let unknowns = self.bounded(&normal, &right)?;
+        let likeliest = self.bounded(&normal, &right)?;
+        let unknowns = if is_here { column(self.point) } else { likeliest.clone() };
+        let way = &likeliest - &unknowns;
+        let promised = ((&right * 2.0 - &normal * (&unknowns + &likeliest)).transpose() * &way)[(0, 0)];
         let left = &data - self.jacobian * &unknowns;
         let away = &unknowns - &mean;
         let chi_squared = (left.transpose() * covariance.solve(&left))[(0, 0)];
@@ -82,8 +94,17 @@ impl LinearFit<'_> {
         let pull = (away.transpose() * (self.precision * &away))[(0, 0)];
         let log_evidence = -0.5 * (chi_squared + pull + occam);
         let effective = (&gain * self.jacobian).diagonal().column_vector().iter().sum();
-        let unknowns = (0..unknowns.nrows()).map(|i| unknowns[(i, 0)]).collect();
-        Some(FitStep { unknowns, chi_squared, log_evidence, effective, gain, posterior: factors.inverse() })
+        let listed = |column: &Mat<f64>| (0..column.nrows()).map(|i| column[(i, 0)]).collect();
+        Some(FitStep {
+            unknowns: listed(&unknowns),
+            chi_squared,
+            log_evidence,
+            effective,
+            gain,
+            posterior: factors.inverse(),
+            away: listed(&way),
+            promised: promised.max(0.0),
+        })
     }
 
     /// Solves H x = g with x ≥ 0 where that is required, by an active set.
@@ -112,189 +133,10 @@ impl LinearFit<'_> {
 }
 
 impl FitStep {
-    /// Covariance of the unknowns for data of another covariance than the one that weighted them.
-    pub fn covariance(&self, assumed: &Mat<f64>, true_one: &Mat<f64>) -> Mat<f64> {
-        &self.posterior + &self.gain * (true_one - assumed) * self.gain.transpose()
+    /// The way that is left, in standard errors of the unknowns that the data determine.
+    pub fn to_go(&self) -> f64 {
+        (self.promised / self.effective.max(1.0)).sqrt()
     }
-}
-
-/// Strengths of the prior among which the evidence chooses: size of the second differences.
-const STRENGTHS: [f64; 12] = [0.005, 0.007, 0.01, 0.014, 0.02, 0.03, 0.04, 0.06, 0.08, 0.12, 0.2, 0.4];
-/// Logarithm of the evidence that the strength may cost: one standard error of it. The prior that
-/// bends most within it is taken, which errs towards wider intervals.
-const CONCEDED: f64 = 0.5;
-
-/// One number of a fit's data: a measured value of a spectrum, or a number made of one.
-struct Datum {
-    drawdown: usize,
-    /// Its wavelength by its place; none of a number made of a spectrum.
-    wave: Option<usize>,
-    /// Derivatives of it with respect to the values of the drawdown's spectrum: place and slope.
-    slopes: Vec<(usize, f64)>,
-    /// Measured less predicted.
-    residual: f64,
-    /// Variance of the measurement.
-    noise: f64,
-}
-
-impl Datum {
-    /// A sum over the values of its spectrum.
-    fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
-        self.slopes.iter().map(|&(wave, slope)| slope * of(wave)).sum()
-    }
-
-    /// All data: spectra by drawdown, then wavelength; after them the numbers.
-    fn all(task: &FitTask, response: &Response, added: f64) -> Vec<Self> {
-        let nm = task.wavelengths_nm();
-        let (mut spectra, mut numbers) = (Vec::new(), Vec::new());
-        for (drawdown, sample) in task.measured.iter().enumerate() {
-            let on_face = if sample.is_reflected() { added } else { 0.0 };
-            for wave in 0..sample.values.as_ref().map_or(0, Vec::len) {
-                let residual = sample.measured(wave) - response.values[drawdown][wave] - on_face;
-                let noise = task.settings.noise.powi(2);
-                spectra.push(Self { drawdown, wave: Some(wave), slopes: vec![(wave, 1.0)], residual, noise });
-            }
-            let predicted: Vec<f64> = response.values[drawdown].iter().map(|value| value + on_face).collect();
-            for number in &sample.numbers {
-                let there = number.at(nm, &predicted);
-                let slopes = there.slopes.into_iter().enumerate().collect();
-                let residual = number.value - there.value;
-                let noise = number.error.powi(2) + there.wavelength_error.powi(2);
-                numbers.push(Self { drawdown, wave: None, slopes, residual, noise });
-            }
-        }
-        spectra.extend(numbers);
-        spectra
-    }
-}
-
-/// The data, linearised at some unknowns.
-pub(super) struct Data<'a> {
-    pub task: &'a FitTask,
-    pub prior: &'a IndexPrior,
-    /// The unknowns.
-    point: &'a [f64],
-    jacobian: Mat<f64>,
-    pub residual: Vec<f64>,
-    /// Covariance that weights the data: noise, ensemble and grid at each wavelength for itself.
-    pub weights: Mat<f64>,
-    /// All that is known of the errors, with the correlations over the wavelengths.
-    pub errors: Mat<f64>,
-    /// Derivatives of the data with respect to the logarithm of the thickness.
-    pub thickness: Vec<f64>,
-}
-
-impl<'a> Data<'a> {
-    /// `systematic` is an error of every value in addition to noise and ensemble, common to all of a
-    /// drawdown: one for each value (by drawdown, then wavelength), one for each drawdown, or one for
-    /// all.
-    pub fn new(
-        task: &'a FitTask,
-        prior: &'a IndexPrior,
-        point: &'a [f64],
-        response: &Response,
-        systematic: &[f64],
-    ) -> Self {
-        let waves = task.wavelengths_nm().len();
-        let all = Datum::all(task, response, prior.face_light(point));
-        let size = all.len();
-        let is_reflected = |d: usize| task.measured[d].is_reflected();
-        let jacobian = Mat::from_fn(size, prior.count(), |i, j| {
-            let d = all[i].drawdown;
-            let on_face = f64::from(u8::from(prior.face_light == Some(j) && is_reflected(d)));
-            all[i].sum(|w| derivative(prior, response, (d, w), j) + on_face)
-        });
-        let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
-        let systematic_at = |d: usize, w: usize| match systematic.len() {
-            1 => systematic[0],
-            count if count == task.measured.len() => systematic[d],
-            _ => systematic[d * waves + w],
-        };
-        let own: Vec<f64> = all.iter().map(|datum| datum.sum(|w| systematic_at(datum.drawdown, w))).collect();
-        let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
-        let replicates: Vec<Vec<f64>> = all
-            .iter()
-            .map(|datum| {
-                response.replicates[datum.drawdown].iter().map(|cell| datum.sum(|w| cell[w])).collect()
-            })
-            .collect();
-        for (i, one) in all.iter().enumerate() {
-            for (j, other) in all.iter().enumerate() {
-                let one_coat = task.measured[one.drawdown].coat == task.measured[other.drawdown].coat;
-                let ensemble = if one_coat { jackknife(&replicates[i], &replicates[j]) } else { 0.0 };
-                let is_together = i == j || (one.wave.is_some() && one.wave == other.wave);
-                let at_one_wavelength = if is_together { ensemble } else { 0.0 };
-                let common = if one.drawdown == other.drawdown { own[i] * own[j] } else { 0.0 };
-                let noise = if i == j { one.noise } else { 0.0 };
-                weights[(i, j)] = at_one_wavelength + if i == j { noise + own[i] * own[i] } else { 0.0 };
-                errors[(i, j)] = inflation * ensemble + common + noise;
-            }
-        }
-        let residual = all.iter().map(|datum| datum.residual).collect();
-        let thickness =
-            all.iter().map(|datum| datum.sum(|w| response.slopes[2][datum.drawdown][w])).collect();
-        Self { task, prior, point, jacobian, residual, weights, errors, thickness }
-    }
-
-    /// What is left of the data at other unknowns, to first order.
-    pub fn left(&self, unknowns: &[f64]) -> Vec<f64> {
-        let mut left = self.residual.clone();
-        for (i, left) in left.iter_mut().enumerate() {
-            let parts = self.point.iter().zip(unknowns).enumerate();
-            *left -= parts.map(|(j, (a, b))| self.jacobian[(i, j)] * (b - a)).sum::<f64>();
-        }
-        left
-    }
-
-    pub fn step(&self, strength: f64) -> Option<FitStep> {
-        let Self { jacobian, residual, weights: covariance, point, prior, .. } = self;
-        let positive = &prior.positive;
-        let (precision, mean) = &prior.expectation(strength)?;
-        LinearFit { jacobian, residual, covariance, point, mean, precision, positive }.step()
-    }
-
-    /// The largest strength of the prior that the evidence allows, and its step.
-    pub fn chosen(&self) -> Option<(f64, FitStep)> {
-        let all = STRENGTHS.into_iter().filter_map(|strength| Some((strength, self.step(strength)?)));
-        let all: Vec<(f64, FitStep)> = all.collect();
-        let most = all.iter().map(|(_, step)| step.log_evidence).fold(f64::NEG_INFINITY, f64::max);
-        all.into_iter().rev().find(|(_, step)| step.log_evidence >= most - CONCEDED)
-    }
-
-    /// χ² of data and prior together at the point of the linearisation: the function whose minimum
-    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not
-    /// positive definite.
-    pub fn cost(&self, strength: f64) -> Option<f64> {
-        let left = column(&self.residual);
-        let misfit = left.transpose() * cholesky(&self.weights)?.solve(&left);
-        let (precision, mean) = self.prior.expectation(strength)?;
-        let away = column(self.point) - column(&mean);
-        let pull = away.transpose() * (precision * &away);
-        Some(misfit[(0, 0)] + pull[(0, 0)])
-    }
-
-    /// Root mean square change of the data at other unknowns, to first order.
-    pub fn moved(&self, to: &[f64]) -> f64 {
-        rms(self.residual.iter().zip(self.left(to)).map(|(a, b)| a - b))
-    }
-}
-
-/// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
-pub(super) fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
-    let [along_n, along_kappa, along_thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
-    let of_thickness = f64::from(u8::from(prior.thickness == Some(j)));
-    along_n * prior.n[w][j] + along_kappa * prior.kappa[w][j] + of_thickness * along_thickness
-}
-
-/// Variance of a Student law over that of a normal one: errors estimated from few cells.
-pub(super) fn few_cells(cells: usize) -> f64 {
-    if cells > 3 { (cells - 1) as f64 / (cells - 3) as f64 } else { 3.0 }
-}
-
-/// Jackknife covariance of two values from their leave-one-out replicates.
-pub(super) fn jackknife(one: &[f64], other: &[f64]) -> f64 {
-    let pairs: Vec<[f64; 2]> = one.iter().zip(other).map(|(x, y)| [*x, *y]).collect();
-    jackknife_covariance(&pairs).map_or(0.0, |covariance| covariance[0][1])
 }
 
 #[cfg(test)]
@@ -327,8 +169,5 @@ mod tests {
         let held = fit(-0.5);
         assert_eq!(held.unknowns[1], 0.0);
         assert!((held.unknowns[0] - 0.75).abs() < 1e-6, "the mean of the data");
-        let doubled = Mat::from_fn(6, 6, |i, j| if i == j { 0.04 } else { 0.0 });
-        let wider = step.covariance(&covariance, &doubled);
-        assert!((wider[(1, 1)] / step.posterior[(1, 1)] - 4.0).abs() < 1e-3);
     }
 }

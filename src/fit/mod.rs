@@ -7,6 +7,7 @@
 //! whose base is composed of slabs, take the way of [`composed`] in place of the middle three.
 
 pub mod composed;
+mod data;
 pub mod face;
 pub mod file;
 pub mod law;

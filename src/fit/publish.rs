@@ -21,7 +21,13 @@ const HALF_95: f64 = 1.96;
 /// The fit in one sentence; both solutions where there are two.
 pub fn in_words(outcome: &FitOutcome) -> String {
     let FitOutcome { chi_squared, data, degrees_of_freedom, .. } = outcome;
-    let verdict = if outcome.trust == Trust::Untested { ", too few for a verdict" } else { "" };
+    let verdict = match outcome.trust {
+        Trust::Untested => ", too few for a verdict",
+        Trust::Unconverged => "; no verdict: the fit has not converged",
+        _ => "",
+    };
+    let is_outside = outcome.index.iter().any(|row| row.outside_search);
+    let outside = if is_outside { "outside the range searched: " } else { "" };
     let index = index_in_words(&outcome.index);
     let unsure = outcome.trust != Trust::Contradicted && !outcome.n_is_determined;
     let unsure = if unsure { "n is not determined: " } else { "" };
@@ -29,7 +35,7 @@ pub fn in_words(outcome: &FitOutcome) -> String {
         format!("; second solution: {}, χ² {:.0}", index_in_words(&other.index), other.chi_squared)
     });
     format!(
-        "{unsure}{index}; χ² {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom{verdict}{other}"
+        "{unsure}{outside}{index}; χ² {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom{verdict}{other}"
     )
 }
 

@@ -31,6 +31,8 @@ pub struct Response {
     pub slopes: [Spectra; 3],
     /// Values of every ensemble that lacks one realisation: drawdown → realisation → wavelength.
     pub replicates: Vec<Vec<Vec<f64>>>,
+    /// Their derivatives with respect to n.
+    pub slope_replicates: Vec<Vec<Vec<f64>>>,
 }
 
 /// Where the numbers come from: the coherent films, or solves of every layer.
@@ -92,22 +94,32 @@ impl Origin<'_> {
         log: f64,
     ) -> Result<Response, NoInk> {
         let here = self.spectra(task, drawdowns, index, ([0.0; 2], log))?;
-        let slope = |step: [f64; 2], further: f64| -> Result<Spectra, NoInk> {
-            let moved = self.spectra(task, drawdowns, index, (step, log + further))?;
-            Ok(here.iter().zip(&moved).map(|(here, moved)| slopes(here, moved)).collect())
+        let moved =
+            |step: [f64; 2], further: f64| self.spectra(task, drawdowns, index, (step, log + further));
+        let [along_n, along_kappa] = [moved([STEP, 0.0], 0.0)?, moved([0.0, STEP], 0.0)?];
+        let thicker = moved([0.0; 2], STEP)?;
+        let slope = |moved: &[SpectrumEstimate]| -> Spectra {
+            here.iter().zip(moved).map(|(a, b)| differences(&a.values, &b.values)).collect()
         };
-        let slopes = [slope([STEP, 0.0], 0.0)?, slope([0.0, STEP], 0.0)?, slope([0.0; 2], STEP)?];
-        let replicates = here.iter().map(|spectrum| spectrum.replicates.clone()).collect();
         Ok(Response {
+            slopes: [slope(&along_n), slope(&along_kappa), slope(&thicker)],
+            slope_replicates: slopes_of_replicates(&here, &along_n),
+            replicates: here.iter().map(|spectrum| spectrum.replicates.clone()).collect(),
             values: here.into_iter().map(|spectrum| spectrum.values).collect(),
-            slopes,
-            replicates,
         })
     }
 }
 
-fn slopes(here: &SpectrumEstimate, moved: &SpectrumEstimate) -> Vec<f64> {
-    here.values.iter().zip(&moved.values).map(|(a, b)| (b - a) / STEP).collect()
+fn differences(here: &[f64], moved: &[f64]) -> Vec<f64> {
+    here.iter().zip(moved).map(|(a, b)| (b - a) / STEP).collect()
+}
+
+fn slopes_of_replicates(here: &[SpectrumEstimate], moved: &[SpectrumEstimate]) -> Vec<Vec<Vec<f64>>> {
+    let of = |(here, moved): (&SpectrumEstimate, &SpectrumEstimate)| {
+        let cells = here.replicates.iter().zip(&moved.replicates);
+        cells.map(|(here, moved)| differences(here, moved)).collect()
+    };
+    here.iter().zip(moved).map(of).collect()
 }
 
 /// A study whose layer with this pigment has `factor` times its thickness; its packings stay those

@@ -14,11 +14,12 @@ pub use forecast::Forecast;
 pub use outcome::{FitOutcome, FittedNumber, FittedSpectrum, OtherSolution, Trust};
 pub use planned::{FitCosts, PlannedSolves};
 
-use super::law::{Data, FitStep};
+use super::data::Data;
+use super::law::FitStep;
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
-use super::response::Origin;
-use super::start::{Surface, TABLE_ERROR, paths};
+use super::response::{Origin, Response};
+use super::start::{Surface, TABLE_CELLS, TABLE_ERROR, paths};
 use crate::evaluate::seen::NoInk;
 use crate::input::limits::{ABSORPTION, INDEX};
 use crate::input::study::Study;
@@ -35,14 +36,12 @@ use num_complex::Complex64;
 use outcome::UNDETERMINED;
 use thiserror::Error;
 
-/// Cells of the coarse table.
-const TABLE_CELLS: usize = 2;
 /// Linearisations of one branch on all cells: at least, and at most.
 const LINEARISATIONS: [usize; 2] = [2, 6];
-/// Share of a step that is taken where the one before led too far.
-const DAMPED: f64 = 0.5;
-/// A step that moves the data by less than this share of the noise is the last one.
-const SMALL_STEP: f64 = 0.5;
+/// Share of a step that is taken where the one before led uphill.
+const DAMPED: f64 = 0.4;
+/// Standard errors of the unknowns within which the least χ² is reached.
+const CLOSE: f64 = 0.5;
 
 /// Why there is no fit.
 #[derive(Debug, Error)]
@@ -139,8 +138,9 @@ impl<'a> FitRun<'a> {
             films.push(Origin::Film.response(task, &task.measured, &index, 0.0)?);
         }
         self.watch.stage("search over both branches of n");
-        let candidates = self.candidates(&Surface::new(task, &solved, &films))?;
-        let mut outcome = solutions::concluded(task, self.carried_out(&candidates)?)?;
+        let surface = Surface::new(task, &solved, &films);
+        let candidates = self.candidates(&surface)?;
+        let mut outcome = solutions::concluded(task, self.carried_out(&surface, &candidates)?)?;
         for forecast in self.forecasts(&outcome)? {
             match forecast.impossible(task.wavelengths_nm()) {
                 Some(reason) => outcome.remarks.push(reason),
@@ -152,7 +152,7 @@ impl<'a> FitRun<'a> {
 
     /// The best branch, and every other one that fits the table as well at another n, with solves
     /// on all cells.
-    fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<FitSolution>, FitError> {
+    fn carried_out(&self, surface: &Surface, candidates: &[Branch]) -> Result<Vec<FitSolution>, FitError> {
         let least = candidates.first().ok_or(FitError::Singular)?.cost;
         let prior = self.prior();
         let mut known: Vec<Vec<f64>> = Vec::new();
@@ -161,7 +161,7 @@ impl<'a> FitRun<'a> {
             let start: Vec<f64> = prior.index(&branch.unknowns).iter().map(|row| row[0]).collect();
             let is_new = known.iter().all(|n| solutions::apart(n, &start) > UNDETERMINED);
             if is_new && solutions.len() < PlannedSolves::BRANCHES {
-                let solution = self.refine(branch)?;
+                let solution = self.refine(surface, branch)?;
                 known.push(start);
                 known.push(solution.outcome.index.iter().map(|row| row.n).collect());
                 solutions.push(solution);
@@ -195,37 +195,47 @@ impl<'a> FitRun<'a> {
         descend(self.task, prior, start, &[TABLE_ERROR], response_at)
     }
 
-    /// Gauss–Newton with solves on all cells.
-    fn refine(&self, branch: &Branch) -> Result<FitSolution, FitError> {
-        let task = self.task;
-        let mut unknowns = branch.unknowns.clone();
-        let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
-        let mut rounds = 0;
-        let mut moved_before = f64::INFINITY;
+    /// Gauss–Newton with solves on all cells. What is stated is solved: the unknowns of the least
+    /// cost of all that were, which is near the minimum of its linearisation or has not converged.
+    fn refine(&self, surface: &Surface, branch: &Branch) -> Result<FitSolution, FitError> {
+        let mut rounds = 1;
+        let mut share = 1.0;
+        let mut best = self.place(surface, branch.unknowns.clone(), rounds)?;
         loop {
-            rounds += 1;
-            self.watch.stage(&format!("linearisation {rounds} on all cells"));
-            let prior = self.prior().adapted(&unknowns);
-            let index = prior.index(&unknowns);
-            is_an_index(task, &index)?;
-            let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
-            let log_thickness = prior.log_thickness(&unknowns);
-            let response =
-                Origin::Solved(&linearised).response(task, &task.measured, &index, log_thickness)?;
-            let data = Data::new(task, &prior, &unknowns, &response, &grid);
-            let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
-            let moved = data.moved(&step.unknowns) / task.settings.noise;
-            let share = share_of_step(&prior, &unknowns, &step.unknowns);
-            let share = if moved > moved_before { DAMPED * share } else { share };
-            moved_before = moved;
-            let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
-            if last || rounds == LINEARISATIONS[1] {
-                is_an_index(task, &prior.index(&step.unknowns))?;
-                let outcome = data.outcome(strength, &step, rounds);
-                return Ok(FitSolution { outcome, prior, step, linearised, index, log_thickness });
+            let (strength, step) = best.data(self, &best.prior).chosen().ok_or(FitError::Singular)?;
+            let here = best.data(self, &best.prior).here(strength).ok_or(FitError::Singular)?;
+            let is_last = here.to_go() < CLOSE && rounds >= LINEARISATIONS[0];
+            if is_last || rounds == LINEARISATIONS[1] {
+                let outcome = best.data(self, &best.prior).outcome(strength, &here, rounds);
+                return Ok(best.concluded(outcome, here));
             }
-            unknowns = between(&unknowns, &step.unknowns, share);
+            let limit = share_of_step(&best.prior, &best.unknowns, &step.unknowns);
+            rounds += 1;
+            let tried =
+                self.place(surface, between(&best.unknowns, &step.unknowns, share * limit), rounds)?;
+            let loss = |place: &Place| place.data(self, &best.prior).loss(strength);
+            if loss(&tried).zip(loss(&best)).is_some_and(|(tried, best)| tried < best) {
+                (best, share) = (tried, 1.0);
+            } else {
+                share *= DAMPED;
+            }
         }
+    }
+
+    /// Solves all cells at some unknowns.
+    fn place(&self, surface: &Surface, unknowns: Vec<f64>, round: usize) -> Result<Place, FitError> {
+        let task = self.task;
+        self.watch.stage(&format!("linearisation {round} on all cells"));
+        let prior = self.prior().adapted(&unknowns);
+        let index = prior.index(&unknowns);
+        is_an_index(task, &index)?;
+        let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
+        let log_thickness = prior.log_thickness(&unknowns);
+        let solved = Origin::Solved(&linearised);
+        let mut response = solved.response(task, &task.measured, &index, log_thickness)?;
+        surface.steady(task, &mut response, &index, log_thickness)?;
+        let grid = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
+        Ok(Place { unknowns, prior, index, log_thickness, linearised, response, grid })
     }
 
     /// Error of a reflectance factor due to the grid: that of R, and that of T on both ways.
@@ -273,14 +283,38 @@ fn is_an_index(task: &FitTask, index: &[[f64; 2]]) -> Result<(), FitError> {
     Ok(())
 }
 
+/// Unknowns at which all cells are solved.
+struct Place {
+    unknowns: Vec<f64>,
+    prior: IndexPrior,
+    index: Vec<[f64; 2]>,
+    log_thickness: f64,
+    linearised: Vec<Linearised>,
+    response: Response,
+    /// Error of the grid of every drawdown.
+    grid: Vec<f64>,
+}
+
+impl Place {
+    /// The data linearised here, under a prior.
+    fn data<'a>(&'a self, run: &FitRun<'a>, prior: &'a IndexPrior) -> Data<'a> {
+        Data::new(run.task, prior, &self.unknowns, &self.response, &self.grid)
+    }
+
+    fn concluded(self, outcome: FitOutcome, step: FitStep) -> FitSolution {
+        let Self { prior, index, log_thickness, linearised, .. } = self;
+        FitSolution { outcome, prior, step, linearised, index, log_thickness }
+    }
+}
+
 /// A branch carried to the end with solves on all cells.
 struct FitSolution {
     outcome: FitOutcome,
-    /// The prior, the step and the solves of the last linearisation.
+    /// The prior, the unknowns with the way left, and the solves there.
     prior: IndexPrior,
     step: FitStep,
     linearised: Vec<Linearised>,
-    /// Index and logarithm of the factor on the thicknesses at that linearisation.
+    /// Index and logarithm of the factor on the thicknesses.
     index: Vec<[f64; 2]>,
     log_thickness: f64,
 }

@@ -6,6 +6,7 @@
 //! finds the smooth path of n and κ that fits best, on both branches and on each alone. √κ is the
 //! variable in which reflectance is smooth near κ = 0.
 
+use super::data::{few_cells, jackknife};
 use super::load::FitTask;
 use super::response::{Origin, Response, Spectra};
 use crate::evaluate::seen::NoInk;
@@ -20,6 +21,13 @@ const SEARCH: [usize; 2] = [33, 25];
 /// Error of the table's values, of its few cells and of the interpolation, in the search and in the
 /// descent on the table.
 pub(super) const TABLE_ERROR: f64 = 0.008;
+/// Cells of the table.
+pub(super) const TABLE_CELLS: usize = 2;
+/// Straight line, parabola and cubic on the nodes in n, orthogonal to one another: sums of squares
+/// 5, 4 and 20.
+const LINEAR: [f64; NODES_N] = [-1.5, -0.5, 0.5, 1.5];
+const BENT: [f64; NODES_N] = [1.0, -1.0, -1.0, 1.0];
+const MISSED: [f64; NODES_N] = [-1.0, 3.0, -3.0, 1.0];
 /// Expected change of n and κ over 20 nm.
 const CHANGE: f64 = 0.04;
 
@@ -79,6 +87,57 @@ impl Surface {
         let [a, b] = [i, i + 1].map(|i| self.nodes[[drawdown, wave, i, j]]);
         let [value, along] = hermite([a[0], b[0]], [a[1], b[1]], t, dn);
         [value, along, a[2] + t * (b[2] - a[2]), (b[2] - a[2]) / dn]
+    }
+
+    /// The derivative along n of the parabola through the nodes, which averages over all of the
+    /// range, and its variance for values at the nodes of this variance and those that it misses.
+    fn trend(&self, (d, w): (usize, usize), [n, kappa]: [f64; 2], variance: f64) -> [f64; 2] {
+        let (j, s) = place(&self.roots, kappa.max(0.0).sqrt());
+        let node = |i: usize| {
+            let [low, high] = [j, j + 1].map(|j| self.nodes[[d, w, i, j]][0]);
+            low + s * (high - low)
+        };
+        let part =
+            |weights: [f64; NODES_N]| weights.iter().enumerate().map(|(i, a)| a * node(i)).sum::<f64>();
+        let step = (self.n[NODES_N - 1] - self.n[0]) / (NODES_N - 1) as f64;
+        let t = ((n - 0.5 * (self.n[0] + self.n[NODES_N - 1])) / step).clamp(-1.5, 1.5);
+        let slope = part(LINEAR) / 5.0 + 2.0 * t * part(BENT) / 4.0;
+        let all = variance + part(MISSED).powi(2) / 20.0;
+        [slope / step, all * (0.2 + t * t) / (step * step)]
+    }
+
+    /// Replaces derivatives along n at solves of all cells by means of these and of the table's
+    /// trend, each with the inverse of its variance. Where nothing absorbs, cells have resonances:
+    /// their derivatives hold at the place alone, and would make steps too short and errors too
+    /// small.
+    ///
+    /// # Errors
+    /// The film on its card gives no spectrum.
+    pub fn steady(
+        &self,
+        task: &FitTask,
+        response: &mut Response,
+        index: &[[f64; 2]],
+        log: f64,
+    ) -> Result<(), NoInk> {
+        let film = Origin::Film.response(task, &task.measured, index, log)?;
+        for d in 0..task.measured.len() {
+            let cells = response.replicates[d].len();
+            for (w, &eta) in index.iter().enumerate() {
+                let variance = |all: &[Vec<f64>]| {
+                    let one: Vec<f64> = all.iter().map(|cell| cell[w]).collect();
+                    few_cells(cells) * jackknife(&one, &one)
+                };
+                let own = variance(&response.slope_replicates[d]);
+                let more_cells = cells as f64 / TABLE_CELLS.min(cells).max(1) as f64;
+                let of_nodes = more_cells * variance(&response.replicates[d]);
+                let [slope, of_trend] = self.trend((d, w), eta, of_nodes);
+                let share = own / (own + of_trend).max(f64::MIN_POSITIVE);
+                let along = &mut response.slopes[0][d][w];
+                *along += share * (film.slopes[0][d][w] + slope - *along);
+            }
+        }
+        Ok(())
     }
 
     /// Reflectances with derivatives at an index for every wavelength: the exact film and these
@@ -240,5 +299,32 @@ mod tests {
         assert!(path.iter().all(|&s| s == states[2]), "{path:?}");
         let low = best_path(&nm, &states, &costs, &[0, 1]).unwrap();
         assert!(low.iter().all(|s| s[0] <= 1.5));
+    }
+
+    /// Differences that are a parabola in n have its derivative as their trend, with the variance of
+    /// least squares; a cubic beside it is missed, which the variance tells. *Planted*: the
+    /// parabola's part left out; half of the distance of the nodes.
+    #[test]
+    fn the_trend_of_a_parabola_is_its_derivative() {
+        let n = vec![1.3, 1.5, 1.7, 1.9];
+        let roots = vec![0.1, 0.4, 0.8];
+        let surface = |cubic: f64| Surface {
+            nodes: Array4::from_shape_fn((1, 1, 4, 3), |(_, _, i, j)| {
+                let x: f64 = n[i] - 1.5;
+                [0.2 + 0.3 * x + (1.0 + j as f64) * x * x + cubic * MISSED[i], 9.0, 9.0]
+            }),
+            n: n.clone(),
+            roots: roots.clone(),
+        };
+        for (at, row) in [(1.4, 1.0), (1.6, 1.0), (1.85, 1.0), (1.6, 2.0)] {
+            let root: f64 = if row > 1.5 { 0.4 } else { 0.1 };
+            let [slope, variance] = surface(0.0).trend((0, 0), [at, root * root], 0.01);
+            assert!((slope - (0.3 + 2.0 * row * (at - 1.5))).abs() < 1e-9, "{at} {row}: {slope}");
+            // 1/Σ(x − x̄)² in the middle of the nodes, and the parabola's part beside it
+            let expected = 0.01 * (0.2 + ((at - 1.6) / 0.2).powi(2)) / 0.04;
+            assert!((variance / expected - 1.0).abs() < 1e-9, "{at} {row}: {variance} for {expected}");
+        }
+        let [_, variance] = surface(0.03).trend((0, 0), [1.6, 0.01], 0.01);
+        assert!((variance / ((0.01 + 20.0 * 9e-4) * 0.2 / 0.04) - 1.0).abs() < 1e-9, "{variance}");
     }
 }

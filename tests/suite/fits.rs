@@ -4,6 +4,7 @@
 //! share: so without noise the fit must find the index itself. The errors have no other source and are pinned.
 
 mod films;
+mod solved;
 
 use inkwave::fit::load::{FitTask, load};
 use inkwave::fit::response::Origin;

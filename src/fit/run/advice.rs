@@ -6,8 +6,9 @@
 use super::FitSolution;
 use crate::appearance::paper::Albedo;
 use crate::evaluate::seen::NoInk;
+use crate::fit::data::derivative;
 use crate::fit::file::FitGeometry;
-use crate::fit::law::{derivative, rms};
+use crate::fit::law::rms;
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::{Origin, Response, thicker};
 use crate::input::study::Study;

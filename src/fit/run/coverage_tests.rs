@@ -3,7 +3,7 @@
 
 use super::near;
 use super::outcome::FitOutcome;
-use crate::fit::law::Data;
+use crate::fit::data::Data;
 use crate::fit::load::{FitTask, load};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Origin;

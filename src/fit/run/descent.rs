@@ -2,8 +2,9 @@
 //! chosen by the evidence.
 
 use super::FitError;
+use crate::fit::data::Data;
 use crate::fit::file::AlsoFitted;
-use crate::fit::law::{Data, LinearFit};
+use crate::fit::law::LinearFit;
 use crate::fit::load::FitTask;
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;

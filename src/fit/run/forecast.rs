@@ -5,7 +5,7 @@ use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate;
 use crate::evaluate::published::Quantity;
-use crate::fit::law::{few_cells, jackknife};
+use crate::fit::data::{few_cells, jackknife};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::Response;
 use crate::numerics::estimate::Estimate;

@@ -2,8 +2,9 @@
 
 use super::fitted::{FaceLight, FittedIndex};
 use super::forecast::Forecast;
+use crate::fit::data::Data;
 use crate::fit::file::AlsoFitted;
-use crate::fit::law::{Data, FitStep, rms};
+use crate::fit::law::{FitStep, rms};
 use crate::fit::load::{Drawdown, FitTask, MeasuredNumber};
 use faer::Mat;
 use serde::Serialize;
@@ -52,6 +53,8 @@ pub enum Trust {
     Inflated,
     /// χ² is so large that the study must be wrong: no errors.
     Contradicted,
+    /// The least χ² is not reached: no verdict, and errors as large as the way that seems left.
+    Unconverged,
 }
 
 /// A measured spectrum beside the fitted one.
@@ -74,7 +77,7 @@ pub struct FittedNumber {
     pub name: String,
     /// Measured value.
     pub measured: f64,
-    /// Fitted value, to first order about the last linearisation.
+    /// Fitted value.
     pub fitted: f64,
     /// Standard deviation of the difference.
     pub sigma: f64,
@@ -134,10 +137,13 @@ impl Data<'_> {
         let data = self.residual.len();
         let degrees_of_freedom = data as f64 - step.effective;
         let trust = Trust::of(step.chi_squared, degrees_of_freedom);
+        let is_there = step.to_go() < super::CLOSE;
+        let trust = if is_there || trust == Trust::Contradicted { trust } else { Trust::Unconverged };
         let stated = trust != Trust::Contradicted;
-        let factor =
-            if trust == Trust::Inflated { step.chi_squared / degrees_of_freedom.max(1.0) } else { 1.0 };
-        let covariance = step.covariance(&self.weights, &self.errors);
+        let is_large = matches!(trust, Trust::Inflated | Trust::Unconverged);
+        let ratio = (step.chi_squared / degrees_of_freedom.max(1.0)).max(1.0);
+        let factor = if is_large { ratio } else { 1.0 };
+        let covariance = self.covariance(step);
         let index = self.index(step, stated.then_some((&covariance, factor)));
         let n_error = rms(index.iter().filter_map(|row| row.n_error));
         let error = |place: usize| (factor * covariance[(place, place)]).sqrt();
@@ -150,7 +156,7 @@ impl Data<'_> {
             evidence_cost: -2.0 * step.log_evidence,
             strength,
             linearisations,
-            n_is_determined: stated && n_error < UNDETERMINED,
+            n_is_determined: stated && is_there && n_error < UNDETERMINED,
             log_thickness: self.prior.log_thickness(&step.unknowns),
             log_thickness_error: self.prior.thickness.filter(|_| stated).map(error),
             face_light: self.prior.face_light.map(|place| FaceLight {
@@ -165,8 +171,7 @@ impl Data<'_> {
             forecasts: Vec::new(),
             remarks: Vec::new(),
         };
-        let moved = self.moved(&step.unknowns) / self.task.settings.noise;
-        outcome.remarks = remarks(&outcome, self.task, moved);
+        outcome.remarks = remarks(&outcome, self.task, step.to_go());
         outcome
     }
 
@@ -281,12 +286,12 @@ fn is_outside(value: f64, [from, to]: [f64; 2]) -> bool {
 }
 
 /// What is to be known besides whether n is determined.
-fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
+fn remarks(outcome: &FitOutcome, task: &FitTask, to_go: f64) -> Vec<String> {
     let mut all = Vec::new();
     let FitOutcome { chi_squared, data, degrees_of_freedom, .. } = outcome;
     let ratio = chi_squared / degrees_of_freedom.max(1.0);
     match outcome.trust {
-        Trust::Consistent => {}
+        Trust::Consistent | Trust::Unconverged => {}
         Trust::Untested => all.push(format!(
             "no verdict on the study: {data} data less {:.1} effective unknowns leave {degrees_of_freedom:.1} degrees of freedom, too few \
              for χ² ({chi_squared:.0}) to reveal a wrong thickness, binder or noise; the errors are valid only if all of these are right. Measure \
@@ -330,9 +335,11 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
             100.0 * error
         ));
     }
-    if moved > super::SMALL_STEP && outcome.linearisations == super::LINEARISATIONS[1] {
+    if outcome.trust == Trust::Unconverged {
         all.push(format!(
-            "the fit has not converged: its last step changed the spectra by {moved:.1} times the noise"
+            "the fit has not converged: n and κ have the least χ² of all that were solved, but their derivatives promise a better fit at \
+             {to_go:.1} standard errors from there, which the solves do not confirm; errors are as large as this. Take more realisations \
+             or a larger period"
         ));
     }
     all.push("the grain size is taken from the study: these spectra hardly constrain it".into());

@@ -1,9 +1,9 @@
 //! What a fit will cost: its solves, and the processor time of a few of them.
 
-use super::{FitError, FitRun, LINEARISATIONS, TABLE_CELLS, typical};
+use super::{FitError, FitRun, LINEARISATIONS, typical};
 use crate::fit::load::FitTask;
 use crate::fit::response::Origin;
-use crate::fit::start::Surface;
+use crate::fit::start::{Surface, TABLE_CELLS};
 use crate::input::study::Study;
 use crate::run::tangents::timed;
 use num_complex::Complex64;

@@ -30,8 +30,11 @@ pub(super) fn concluded(task: &FitTask, mut solutions: Vec<FitSolution>) -> Resu
     let stated = outcome.trust != Trust::Contradicted;
     let other = others.iter().find(|other| stated && apart(&n(best), &n(other)) > least);
     let Some(other) = other else { return Ok(with_advice(task, outcome, best, None)) };
+    // one that has not converged may yet fall by what its derivatives promise
+    let promised = other.step.promised;
     let worse = cost(other) - cost(best);
-    if worse.max(other.outcome.chi_squared - outcome.chi_squared) > AS_GOOD {
+    let more = other.outcome.chi_squared - outcome.chi_squared;
+    if worse.max(more) - promised > AS_GOOD {
         let excluded = format!(
             "a second solution with mean n ≈ {:.2}, which fitted the coarse table, is excluded by the solves (χ² {:.0} \
              against {:.0}; −2 ln of the probability of the data larger by {worse:.0})",
