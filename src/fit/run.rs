@@ -42,6 +42,8 @@ const LINEARISATIONS: [usize; 2] = [2, 6];
 const DAMPED: f64 = 0.4;
 /// Standard errors of the unknowns within which the least χ² is reached.
 const CLOSE: f64 = 0.5;
+/// Standard errors within which no further step is worth its solves.
+const THERE: f64 = 0.1;
 
 /// Why there is no fit.
 #[derive(Debug, Error)]
@@ -204,7 +206,8 @@ impl<'a> FitRun<'a> {
         loop {
             let (strength, step) = best.data(self, &best.prior).chosen().ok_or(FitError::Singular)?;
             let here = best.data(self, &best.prior).here(strength).ok_or(FitError::Singular)?;
-            let is_last = here.to_go() < CLOSE && rounds >= LINEARISATIONS[0];
+            let least = if share < 1.0 { CLOSE } else { THERE };
+            let is_last = here.to_go() < least && rounds >= LINEARISATIONS[0];
             if is_last || rounds == LINEARISATIONS[1] {
                 let outcome = best.data(self, &best.prior).outcome(strength, &here, rounds);
                 return Ok(best.concluded(outcome, here));
@@ -213,7 +216,7 @@ impl<'a> FitRun<'a> {
             rounds += 1;
             let tried =
                 self.place(surface, between(&best.unknowns, &step.unknowns, share * limit), rounds)?;
-            let loss = |place: &Place| place.data(self, &best.prior).loss(strength);
+            let loss = |place: &SolvedPlace| place.data(self, &best.prior).loss(strength);
             if loss(&tried).zip(loss(&best)).is_some_and(|(tried, best)| tried < best) {
                 (best, share) = (tried, 1.0);
             } else {
@@ -223,7 +226,7 @@ impl<'a> FitRun<'a> {
     }
 
     /// Solves all cells at some unknowns.
-    fn place(&self, surface: &Surface, unknowns: Vec<f64>, round: usize) -> Result<Place, FitError> {
+    fn place(&self, surface: &Surface, unknowns: Vec<f64>, round: usize) -> Result<SolvedPlace, FitError> {
         let task = self.task;
         self.watch.stage(&format!("linearisation {round} on all cells"));
         let prior = self.prior().adapted(&unknowns);
@@ -235,7 +238,7 @@ impl<'a> FitRun<'a> {
         let mut response = solved.response(task, &task.measured, &index, log_thickness)?;
         surface.steady(task, &mut response, &index, log_thickness)?;
         let grid = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
-        Ok(Place { unknowns, prior, index, log_thickness, linearised, response, grid })
+        Ok(SolvedPlace { unknowns, prior, index, log_thickness, linearised, response, grid })
     }
 
     /// Error of a reflectance factor due to the grid: that of R, and that of T on both ways.
@@ -284,7 +287,7 @@ fn is_an_index(task: &FitTask, index: &[[f64; 2]]) -> Result<(), FitError> {
 }
 
 /// Unknowns at which all cells are solved.
-struct Place {
+struct SolvedPlace {
     unknowns: Vec<f64>,
     prior: IndexPrior,
     index: Vec<[f64; 2]>,
@@ -295,7 +298,7 @@ struct Place {
     grid: Vec<f64>,
 }
 
-impl Place {
+impl SolvedPlace {
     /// The data linearised here, under a prior.
     fn data<'a>(&'a self, run: &FitRun<'a>, prior: &'a IndexPrior) -> Data<'a> {
         Data::new(run.task, prior, &self.unknowns, &self.response, &self.grid)
