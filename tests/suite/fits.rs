@@ -251,7 +251,8 @@ fn unpolarised_light_gives_the_index_back_at_one_wavelength() {
     let truth = study(&small, "{ n = 1.75, k = 0.05 }", "[560]");
     let fit = on_cards(folder, &truth, &TWO_CARDS) + "[fit]\nnoise = 0.001\n";
     let (_, found) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
-    assert_found(&found["fit"], [1.75, 0.05], 0.5);
+    // two numbers: a step that scatter stops leaves up to half an error of each unknown, and both add up
+    assert_found(&found["fit"], [1.75, 0.05], 1.0);
     let (said, again) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
     assert!(said.contains("were already stored"), "{said}");
     assert_eq!(found["fit"], again["fit"]);
