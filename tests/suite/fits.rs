@@ -149,8 +149,8 @@ fn grains_give_their_index_back_and_the_plan_its_cost() {
     let folder = tempfile::tempdir().expect("a folder");
     let (said, found) = grains(folder.path());
     let fit = &found["fit"];
-    // no noise, and the same cells: the prior alone pulls
-    assert_found(fit, [1.75, 0.05], 0.2);
+    // no noise, and the same cells: the prior pulls, and the way that is left where steps end
+    assert_found(fit, [1.75, 0.05], 0.5);
     assert_pinned(fit, PINNED_GRAINS);
     let planned = inkwave(folder.path(), &["fit", "fit.toml", "--plan"]);
     let plan = String::from_utf8_lossy(&planned.stdout).into_owned();
@@ -180,9 +180,9 @@ fn grains_give_their_index_back_and_the_plan_its_cost() {
 
 /// Golden numbers of [`grains`]: a regression, not a truth.
 const PINNED_GRAINS: &[(&str, &[f64])] = &[
-    ("n_error", &[0.0137588, 0.0309485, 0.0387858]),
-    ("kappa_error", &[0.00299108, 0.00285049, 0.00769598]),
-    ("effective_unknowns", &[5.35327]),
+    ("n_error", &[0.0166602, 0.0263544, 0.0329063]),
+    ("kappa_error", &[0.00278961, 0.00281489, 0.00666580]),
+    ("effective_unknowns", &[5.44551]),
 ];
 
 /// Two layers, of which the second has the pigment that is not known.
@@ -203,8 +203,8 @@ fn a_layer_of_a_stack_gives_its_pigments_index_back() {
     let fit = on_cards(folder, &truth, &ALL_CARDS);
     let settings = "[fit]\npigment = \"base.a\"\nprior = \"smooth\"\nnoise = 0.002\n";
     let (_, found) = fitted(folder, &study(STACK, "1.6", "[500, 600]"), &(fit + settings));
-    // no noise, and the same cells: the prior alone pulls
-    assert_found(&found["fit"], [1.75, 0.05], 0.2);
+    // no noise, and the same cells: the prior pulls, and the way that is left where steps end
+    assert_found(&found["fit"], [1.75, 0.05], 0.5);
     // a factor on the thickness is one on the pigment's layer, as its thickness in the file is
     let read = |changes: &str| {
         let text = format!(
@@ -251,7 +251,8 @@ fn unpolarised_light_gives_the_index_back_at_one_wavelength() {
     let truth = study(&small, "{ n = 1.75, k = 0.05 }", "[560]");
     let fit = on_cards(folder, &truth, &TWO_CARDS) + "[fit]\nnoise = 0.001\n";
     let (_, found) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
-    assert_found(&found["fit"], [1.75, 0.05], 0.2);
+    // two numbers: a step that scatter stops leaves up to half an error of each unknown, and both add up
+    assert_found(&found["fit"], [1.75, 0.05], 1.0);
     let (said, again) = fitted(folder, &study(&small, "1.6", "[560]"), &fit);
     assert!(said.contains("were already stored"), "{said}");
     assert_eq!(found["fit"], again["fit"]);
