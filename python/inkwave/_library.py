@@ -955,6 +955,7 @@ class _TrappedSlab:
         in_front, behind = self.before > sines**2, self.behind > sines**2
         turned_back = _Film(np.where(in_front, np.minimum(even.ra, 1.0), 1.0), 0 * even.ra + 1.0, 0 * even.ra)
         even = even.where(in_front & behind, turned_back)
+        even = even.where(self.mirrors, _Film(0 * even.ra, 0 * even.rb, even.t))
         here = self.goes_on[:, None]
         self.known = np.where(here, self.known, np.array([squared, *np.zeros((3, *squared.shape))])[..., None])
         self.solved = self.solved.where(here, even)

@@ -717,7 +717,8 @@ const inkwave = (() => {
         if (d <= this.near) { near = logarithm(measured, [0, 0], sine, near)[1]; return; }
         if (!goesOn) {
           const even = powers(film(normal, sine, [true, true])), [behindIt, inFront] = between.map(n => n > sine);
-          const solved = inFront && behindIt ? even : { ra: inFront ? Math.min(even.ra, 1) : 1, rb: 1, t: 0 };
+          const turned = inFront && behindIt ? even : { ra: inFront ? Math.min(even.ra, 1) : 1, rb: 1, t: 0 };
+          const solved = inner ? { ra: 0, rb: 0, t: turned.t } : turned;
           known.push({ squared: normal, further: [0, 0], solved, reflected: [[0, 0], [0, 0]] });
           return;
         }
