@@ -316,7 +316,7 @@ fn samples_that_contradict_themselves_are_refused() {
         (
             "backing = 0.04",
             "backing = 0.04\nopaque = true",
-            ["measured[0].backing", "found 0.04", "none where opaque = true", "remove backing"],
+            ["measured[0].backing", "0.04", "none where opaque = true", "remove backing"],
         ),
         (
             "backing = 0.04",

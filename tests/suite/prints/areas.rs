@@ -196,4 +196,13 @@ fn areas_of_one_screen_grow_together() {
     for words in ["area[1].results", "the scalar wave", "the unpolarised wave"] {
         assert!(refused.contains(words), "{refused}");
     }
+    // a run that was interrupted has results, and not yet those that it will have
+    let results = place.0.path().join("coat").join("results.json");
+    let complete = std::fs::read_to_string(&results).unwrap();
+    std::fs::write(&results, complete.replacen("\"complete\"", "\"partial\"", 1)).unwrap();
+    std::fs::write(&file, &text).unwrap();
+    let refused = inkwave::input::load::load(&file).unwrap_err().to_string();
+    for words in ["area[1].results", "a run that was interrupted", "give that run's command again"] {
+        assert!(refused.contains(words), "{refused}");
+    }
 }

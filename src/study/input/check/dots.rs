@@ -158,6 +158,8 @@ impl DotsReader<'_, '_> {
         }
         #[derive(serde::Deserialize)]
         struct Results {
+            #[serde(default)]
+            status: String,
             study: Solved,
             optics: Option<LayerOptics>,
         }
@@ -170,6 +172,10 @@ impl DotsReader<'_, '_> {
             .map_err(|error| refused(format!("{}: {error}", path.display())))?;
         let results: Results = serde_json::from_str(&text)
             .map_err(|error| refused(format!("{}, which is no results file: {error}", path.display())))?;
+        if results.status == "partial" {
+            let found = format!("{}, of a run that was interrupted", path.display());
+            return Err([found, allowed.to_owned(), "give that run's command again: it goes on".to_owned()]);
+        }
         let Some(layer) = results.optics else {
             return Err(refused(format!("{}, which holds no layer on paper", path.display())));
         };
