@@ -204,6 +204,7 @@ fn as_stack(film: &CoherentFilm, count: f64) -> StackFilm {
             thickness_um: film.slab_um,
             mirrors,
             count,
+            part_first: false,
         })
     };
     StackFilm {

@@ -78,6 +78,7 @@ fn neighbours_are_solved_in_the_medium_of_their_joint() {
         thickness_um: 1.0,
         mirrors: Mirrors::Nowhere,
         count: 1.0,
+        part_first: false,
     };
     let plate = Plate::nothing(air.states());
     let element = |between| {
@@ -124,6 +125,7 @@ fn elements_are_repeated() {
         thickness_um: 1.0,
         mirrors: Mirrors::Nowhere,
         count,
+        part_first: false,
     };
     let through = |count: f64| {
         let element = StackElement::solved(plate.clone(), film(count), air.clone(), 0);

@@ -242,6 +242,7 @@ pub(super) fn slab_elements(
             thickness_um: slab_um,
             mirrors,
             count,
+            part_first: false,
         };
         elements.push(StackElement::solved(plate, film, behind, layer));
     }

@@ -55,6 +55,12 @@ impl FilmMatrix<Complex64> {
         self.joined(behind, 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]))
     }
 
+    /// Seen from the other side.
+    pub(super) fn turned(self) -> Self {
+        let [front, behind] = self.reflected;
+        Self { reflected: [behind, front], ..self }
+    }
+
     pub(super) fn powers(self) -> FilmMatrix<f64> {
         FilmMatrix {
             reflected: self.reflected.map(|r| r.norm_sqr()),

@@ -45,6 +45,8 @@ pub struct SolvedElement {
     pub mirrors: Mirrors,
     /// How many of it stand one behind another, a part of one included.
     pub count: f64,
+    /// Whether the part is in front: as the light meets a layer that was turned over.
+    pub part_first: bool,
 }
 
 /// The faces of an element at which its medium ends.
@@ -121,6 +123,7 @@ impl FilmElement {
                     amplitudes: [b, a],
                     between: [behind, before],
                     mirrors: solved.mirrors.turned(),
+                    part_first: !solved.part_first,
                     ..solved.clone()
                 })
             }
@@ -260,7 +263,11 @@ impl StackFilm {
         }
         let slab = |part: f64| self.slab(solved, here, part, polarisation, sine);
         let one = slab(1.0);
-        (one.repeated(solved.count, slab), one.powers().repeated(solved.count))
+        let all = match solved.part_first {
+            true => one.turned().repeated(solved.count, |part| slab(part).turned()).turned(),
+            false => one.repeated(solved.count, slab),
+        };
+        (all, one.powers().repeated(solved.count))
     }
 
     /// This part of an element that differs so from an even film.
