@@ -118,6 +118,7 @@ impl Pile<'_> {
             thickness_um,
             mirrors: Mirrors::Nowhere,
             count: 1.0,
+            part_first: false,
         };
         StackElement::solved(plate, film, medium.clone(), layer)
     }

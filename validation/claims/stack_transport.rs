@@ -65,6 +65,7 @@ fn measure(_: Level, findings: &mut Findings) {
                 thickness_um: 1.0,
                 mirrors: Mirrors::Nowhere,
                 count: 1.0,
+                part_first: false,
             };
             let plate = transport.layer(&medium, 1.0).expect("an optical thickness");
             StackElement::solved(plate, film, medium.clone(), number)
