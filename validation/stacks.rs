@@ -200,6 +200,7 @@ impl TwoCoats {
                 thickness_um: self.coats[k].thickness_um,
                 mirrors: Mirrors::OnBothSides,
                 count: 1.0,
+                part_first: false,
             };
             StackElement::solved(sides[k].mean(&fluxes, left_out), film, sides[k].media[1].clone(), k)
         };
