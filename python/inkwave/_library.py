@@ -36,6 +36,8 @@ _AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
 _MOST_INKS = 6
 # Clear slabs keep their light within 1e-4; fluxes that were not balanced are far from it.
 _UNBALANCED = 1e-3
+# what scattered light changes without its highest moment, over what more directions would change
+_THINNED = 3.0
 # Lamps of the conditions of instruments; none: that of the illuminant.
 _CONDITIONS = {None: None, "M0": "A", "M1": "D50", "M2": "D50"}
 _SCALAR_SURFACE = ("the scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: "
@@ -270,12 +272,14 @@ class _Portion:
 
 
 class _Change(NamedTuple):
-    """What is changed of the ensembles: (plate, portion, cell) left out, the grid's error, half slabs, fewer directions."""
+    """What is changed of the ensembles: (plate, portion, cell) left out, the grid's error, half slabs, fewer directions
+    of fringes, scattered light without the highest moment that its directions resolve."""
 
     left_out: Optional[Tuple[int, int, int]] = None
     grid: bool = False
     halved: bool = False
     fewer: bool = False
+    thinned: bool = False
 
 
 class _Print(NamedTuple):
@@ -605,12 +609,37 @@ class Library:
             for position, times in self._places_of(count, change):
                 portion, states = self._state(number, position, change)
                 flux = states.flux.moved(portion.grid_error if change.grid else 0.0)
+                flux = self._thinned(portion, flux, states.amplitudes) if change.thinned else flux
                 if times != 1.0:
                     flux = flux.repeated(times, self._etendues(portion.between[:, 1], flux.ra.shape[-1]))
                 whole = flux if whole is None else whole.then(flux)
             assert whole is not None
             self._layers[key] = whole
         return self._layers[key]
+
+    def _thinned(self, portion: _Portion, flux: _Flux, amplitudes: np.ndarray) -> _Flux:
+        """A portion whose scattered light lacks the highest moment that its directions resolve; what goes straight on stays."""
+        many = (flux.ra.shape[-1], flux.rb.shape[-1])
+        powers = np.moveaxis(np.abs(amplitudes[:, :, 1:]) ** 2, -1, 2)
+        powers = powers.reshape(*powers.shape[:3], -1)
+        filters = [np.array([self._filter(index, many[side]) for index in portion.between[:, side]]) for side in (0, 1)]
+
+        def of(m: np.ndarray, side: int, lobe: int) -> np.ndarray:
+            states = np.arange(1, min(1 + powers.shape[-1], *m.shape[-2:]))
+            straight = np.zeros_like(m)
+            straight[:, states, states] = np.minimum(powers[:, side, lobe, : states.size], m[:, states, states])
+            return np.asarray(straight + filters[side if lobe == 0 else 1 - side] @ (m - straight) @ filters[side])
+
+        return _Flux(of(flux.ra, 0, 0), of(flux.rb, 1, 0), of(flux.tab, 0, 1), of(flux.tba, 1, 1))
+
+    def _filter(self, index: float, states: int) -> np.ndarray:
+        """Fluxes of a medium's states without the highest moment of every zone of directions."""
+        p, found, first = self._polarisations, np.eye(states), 1
+        for count in self._directions[:1] + self._directions[1:] * (1 + int(self.joint_index < index - 1e-3)):
+            zone = np.kron(_without_highest_moment(count), np.eye(p))
+            found[first: first + count * p, first: first + count * p] = zone
+            first += count * p
+        return found
 
     def _etendues(self, indices: np.ndarray, states: int) -> np.ndarray:
         """Étendues of the states of media, (wavelength, state)."""
@@ -625,7 +654,7 @@ class Library:
                     faces: Tuple[bool, bool] = (False, False)) -> List[Tuple[_Film, _Film]]:
         """A layer with and without interference between its elements, per polarisation: arrays (wavelength, sine); with the face to
         air in front, behind."""
-        key = (number, count, self._own(number, change)._replace(grid=False), tag, faces)
+        key = (number, count, self._own(number, change)._replace(grid=False, thinned=False), tag, faces)
         if key not in self._films:
             found = []
             for p in range(self._polarisations):
@@ -662,7 +691,7 @@ class Library:
 
     def _turns(self, number: int, count: float, change: _Change, p: int) -> List[Tuple[np.ndarray, np.ndarray]]:
         """Fringes over the hemisphere of every element, and what of the light passes it at 0° and comes back."""
-        key = (number, count, self._own(number, change)._replace(grid=False), p)
+        key = (number, count, self._own(number, change)._replace(grid=False, thinned=False), p)
         if key in self._fringes:
             return self._fringes[key]
         elements = self._elements(number, count, change, (p, "normal"), np.array([0.0]))
@@ -850,7 +879,7 @@ class Library:
 
     def _errors(self, job: _Job, eye: np.ndarray, base: Mapping[str, np.ndarray]) -> Dict[str, np.ndarray]:
         plates = sorted({number for number, _ in job.layers})
-        changes = [_Change(halved=True), _Change(grid=True), _Change(fewer=True)]
+        changes = [_Change(halved=True), _Change(grid=True), _Change(fewer=True), _Change(thinned=True)]
         cells = {halved: [(number, k, portion.cells) for number in plates for k, portion in enumerate(self._portions[number])
                           if portion.halved == halved] for halved in (False, True)}
         for halved, portions in cells.items():
@@ -860,7 +889,7 @@ class Library:
         known = all(count > 1 for portions in cells.values() for _, _, count in portions)
         errors = {}
         for name, value in base.items():
-            all_, at, variance = many[name], 3, []
+            all_, at, variance = many[name], 4, []
             for portions in cells.values():
                 total = np.zeros_like(value)
                 for _, _, count in portions:
@@ -874,7 +903,8 @@ class Library:
             if name in _SPECTRA and name != "factors":
                 beyond = np.array([beyond[max(w - 2, 0): w + 3].mean() for w in range(beyond.size)])
             model = np.maximum(beyond, 0.0) / 4.0
-            errors[name] = np.sqrt(chance + model + (all_[1] - value) ** 2 + (all_[2] - value) ** 2)
+            thinned = ((all_[3] - value) / _THINNED) ** 2
+            errors[name] = np.sqrt(chance + model + (all_[1] - value) ** 2 + (all_[2] - value) ** 2 + thinned)
         return errors
 
 
@@ -1691,11 +1721,26 @@ def _etendues(index: float, joint: float, directions: Sequence[int]) -> np.ndarr
 @functools.lru_cache(maxsize=None)
 def _radau(count: int) -> np.ndarray:
     """Weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1, with rising nodes (Jacobi's polynomials)."""
+    return np.asarray(_jacobi(count)[1][0] ** 2)
+
+
+def _jacobi(count: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Nodes of that rule on -1 to 1, rising, and the orthonormal polynomials there times the roots of the weights (degree, node)."""
     k = np.arange(1, count)
     diagonal = np.array([1 / ((2 * j + 1) * (2 * j + 3)) for j in range(count)])
     off = np.sqrt(k * (k + 1.0)) / (2 * k + 1.0)
-    _, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
-    return np.asarray(vectors[0] ** 2)
+    values, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
+    return values, vectors
+
+
+@functools.lru_cache(maxsize=None)
+def _without_highest_moment(count: int) -> np.ndarray:
+    """Fluxes of a zone's nodes, from the normal outwards, without the part orthogonal to polynomials of lower degree than the last."""
+    if count == 1:
+        return np.eye(1)
+    _, vectors = _jacobi(count)
+    root, last = vectors[0, ::-1], vectors[-1, ::-1]
+    return np.asarray(np.eye(count) - np.outer(root * last, last / root))
 
 
 def _read(path: Path) -> Dict[str, Any]:

@@ -4,7 +4,7 @@
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
   const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 4, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
-  const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
+  const THINNED = 3, STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
   const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3, LITTLE = 0.02;
   // what composing makes of a slab in which light decays
   const TURNED_BACK = { ra: 1, rb: 1, t: 0 };
@@ -232,9 +232,18 @@ const inkwave = (() => {
       if (f(a) * f(b) > 0) continue;
       for (let i = 0; i < 60; i++) { const c = 0.5 * (a + b); if (f(a) * f(c) <= 0) b = c; else a = c; }
       const x = 0.5 * (a + b);
-      found.push((1 - x) * (1 + x) / (2 * ((count + 1) * legendre(count, x)) ** 2));
+      found.push([0.5 * (1 + x), (1 - x) * (1 + x) / (2 * ((count + 1) * legendre(count, x)) ** 2)]);
     }
     return found.reverse();
+  }
+  /** Fluxes of a zone's nodes without the part orthogonal to polynomials of lower degree than the last. */
+  function withoutHighestMoment(count) {
+    const nodes = radau(count), filter = identity(count);
+    if (count === 1) return filter;
+    const p = nodes.map(([v, weight], i) => 1 / nodes.reduce((product, [other], j) => j === i ? product : product * (v - other), weight));
+    const norm = sum(nodes.map(([, weight], i) => weight * p[i] ** 2));
+    for (let i = 0; i < count; i++) for (let j = 0; j < count; j++) filter.x[i * count + j] -= nodes[i][1] * p[i] * p[j] / norm;
+    return filter;
   }
   // Light beyond the critical angle of air: media by their squared, complex indices
   /** n cos θ: going on, or decaying. */
@@ -465,19 +474,49 @@ const inkwave = (() => {
       const ends = this.index < index - 1e-3 ? [1, this.index, index] : [1, index], all = [0];
       let start = 0;
       for (const end of ends) {
-        for (const w of radau(this.directions[start === 0 ? 0 : 1])) for (let k = 0; k < this.p; k++) all.push(w * (end * end - start * start));
+        for (const [, w] of radau(this.directions[start === 0 ? 0 : 1])) for (let k = 0; k < this.p; k++) all.push(w * (end * end - start * start));
         start = end;
       }
       return all;
     }
 
+    /** Fluxes of the states of a medium without the highest moment of every zone. */
+    filter(index, states) {
+      const zones = [this.directions[0], ...range(this.index < index - 1e-3 ? 2 : 1).map(() => this.directions[1])], filter = identity(states);
+      let first = 1;
+      for (const count of zones) {
+        const zone = withoutHighestMoment(count);
+        for (let i = 0; i < count; i++) for (let j = 0; j < count; j++) for (let k = 0; k < this.p; k++) {
+          filter.x[(first + i * this.p + k) * states + first + j * this.p + k] = zone.x[i * count + j];
+        }
+        first += count * this.p;
+      }
+      return filter;
+    }
+
+    /** A portion whose scattered light lacks the highest moment that its directions resolve; what goes straight on stays. */
+    thinned({ ra, rb, tab, tba }, amplitude, between) {
+      const filters = [this.filter(between[0], ra.n), this.filter(between[1], rb.n)];
+      const of = (m, side, lobe) => {
+        const straight = zeros(m.n, m.m);
+        for (let d = 1; d < this.kept; d++) for (let pol = 0; pol < this.p; pol++) {
+          const state = 1 + (d - 1) * this.p + pol, [x, y] = amplitude(side, d, pol, lobe);
+          if (state < Math.min(m.n, m.m)) straight.x[state * m.m + state] = Math.min(x * x + y * y, m.x[state * m.m + state]);
+        }
+        const scattered = combine(m, straight, (all, own) => all - own);
+        return plus(straight, times(filters[lobe ? 1 - side : side], times(scattered, filters[side])));
+      };
+      return { ra: of(ra, 0, 0), rb: of(rb, 1, 0), tab: of(tab, 0, 1), tba: of(tba, 1, 1) };
+    }
+
     layerFlux(number, count, change, w) {
-      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : ""}/${count}/${w}`;
+      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : change.thinned ? "t" : ""}/${count}/${w}`;
       if (!this.fluxes.has(key)) {
         let whole = null;
         for (const [position, times] of this.placesOf(count, change)) {
-          const [k, cell] = this.portionOf(number, position, change), { flux, between } = this.states(number, k, w, cell);
+          const [k, cell] = this.portionOf(number, position, change), { flux, amplitude, between } = this.states(number, k, w, cell);
           let plate = moved(flux, change.grid ? this.content.plates[number].portions[k].grid_error : 0);
+          if (change.thinned) plate = this.thinned(plate, amplitude, between);
           if (times !== 1) plate = repeated(plate, times, this.etendues(between[1]));
           whole = whole ? then(whole, plate) : plate;
         }
@@ -491,7 +530,7 @@ const inkwave = (() => {
       const [number, count] = job.layers[place], { change } = job, first = place === 0, last = place === job.layers.length - 1 && !job.contact;
       const own = this.layerFlux(number, count, change, w);
       if (!first && !last) return own;
-      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : ""}/${count}/${w}/${first ? "front" : ""}${last ? "back" : ""}`;
+      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : change.thinned ? "t" : ""}/${count}/${w}/${first ? "front" : ""}${last ? "back" : ""}`;
       if (!this.fluxes.has(key)) {
         const front = first ? then(this.front, own) : own;
         this.fluxes.set(key, last ? then(front, this.back) : front);
@@ -1060,7 +1099,7 @@ const inkwave = (() => {
       for (const number of plates) this.content.plates[number].portions.forEach((portion, k) => {
         cells[portion.halved ? 1 : 0].push([number, k, Math.min(...portion.states.map(at => at.replicates.length))]);
       });
-      const all = [{ halved: true }, { grid: true }, { fewer: true }];
+      const all = [{ halved: true }, { grid: true }, { fewer: true }, { thinned: true }];
       cells.forEach((portions, halved) => portions.forEach(([number, k, count]) => {
         if (count > 1) for (let r = 0; r < count; r++) all.push({ halved: halved === 1, leftOut: [number, k, r] });
       }));
@@ -1079,7 +1118,7 @@ const inkwave = (() => {
         if (name === "xyz") continue;
         const list = Array.isArray(value), values = list ? value : [value], at = (k, i) => list ? many[k][name][i] : many[k][name];
         const variances = values.map((_, i) => {
-          let place = 3;
+          let place = 4;
           return cells.map(portions => sum(portions.map(([, , count]) => {
             if (count < 2) return 0;
             const x = range(count).map(r => at(place + r, i)), mean = sum(x) / count;
@@ -1092,7 +1131,8 @@ const inkwave = (() => {
           const raw = beyond;
           beyond = raw.map((_, i) => { const near = raw.slice(Math.max(i - 2, 0), i + 3); return sum(near) / near.length; });
         }
-        const found = values.map((v, i) => Math.sqrt(variances[i][0] + Math.max(beyond[i], 0) / 4 + (at(1, i) - v) ** 2 + (at(2, i) - v) ** 2));
+        const by = (k, i) => at(k, i) - values[i];
+        const found = values.map((_, i) => Math.hypot(Math.sqrt(variances[i][0] + Math.max(beyond[i], 0) / 4), by(1, i), by(2, i), by(3, i) / THINNED));
         errors[name] = list ? found : found[0];
       }
       return errors;

@@ -50,8 +50,8 @@ pub struct ErrorParts {
     /// What the grid's error of R changes; of parts of a stack that is solved as a whole all that
     /// is not chance.
     pub grid: f64,
-    /// What fringes between the directions that are solved may be: the change when one of these is
-    /// left out.
+    /// What few directions leave open: the changes when fringes between them follow from one less,
+    /// and when scattered light loses the highest moment that they resolve.
     pub directions: f64,
     /// Of colours, what the spectrum may be between and beyond the wavelengths.
     pub wavelengths: f64,
@@ -112,7 +112,7 @@ pub struct NumberParts {
     pub model: f64,
     /// The grid and the solver's residual.
     pub grid: f64,
-    /// Fringes between the directions of a composed layer.
+    /// How few directions stand for the light in a composed layer.
     pub directions: f64,
     /// What the spectrum may be between and beyond the wavelengths.
     pub wavelengths: f64,

@@ -8,6 +8,7 @@
 
 use crate::numerics::interpolate::lagrange;
 use crate::wave::grid::element::legendre;
+use faer::Mat;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
@@ -130,6 +131,31 @@ impl Ordinates {
         (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }
 
+    /// Fluxes of the nodes without the highest moment that they resolve: of each zone's light the
+    /// part that varies as the polynomial of degree n − 1 in v orthogonal, with the étendues as
+    /// weights, to those of lower degree. A zone of one node keeps its light.
+    pub(super) fn without_highest_moment(&self) -> Mat<f64> {
+        let mut filter = Mat::identity(self.count(), self.count());
+        for Zone { nodes, first, .. } in self.zones.iter().filter(|zone| zone.nodes.len() > 1) {
+            let weights = &self.weights[*first..first + nodes.len()];
+            let polynomial: Vec<f64> = nodes
+                .iter()
+                .zip(weights)
+                .map(|(v, weight)| {
+                    let others = nodes.iter().filter(|other| *other != v);
+                    1.0 / (weight * others.map(|other| v - other).product::<f64>())
+                })
+                .collect();
+            let norm: f64 = polynomial.iter().zip(weights).map(|(p, weight)| weight * p * p).sum();
+            for (i, weight) in weights.iter().enumerate() {
+                for j in 0..nodes.len() {
+                    filter[(first + i, first + j)] -= weight * polynomial[i] * polynomial[j] / norm;
+                }
+            }
+        }
+        filter
+    }
+
     /// Lateral wavenumber at which the first zone ends.
     pub fn edge(&self) -> f64 {
         self.zones.first().map_or(self.index, |zone| zone.to)
@@ -219,6 +245,19 @@ mod tests {
             assert!((shares.iter().map(|s| s.1).sum::<f64>() - 1.0).abs() < 1e-12);
             assert!(shares.iter().all(|s| nodes.contains(&s.0)), "{sine}");
         }
+        // flat and linear light stays, its flux in any case
+        let filter = inner.without_highest_moment();
+        let kept = |light: &dyn Fn(f64) -> f64, node: usize| -> f64 {
+            let flux = |j: usize| inner.weights[j] * light(inner.sines[j]);
+            (0..7).map(|j| filter[(node, j)] * flux(j)).sum::<f64>()
+        };
+        let v = |s: f64| (1.0 - s * s).max(0.0).sqrt();
+        for node in 0..3 {
+            let [own, weight] = [v(inner.sines[node]), inner.weights[node]];
+            assert!((kept(&|s| 1.0 + v(s), node) / weight - 1.0 - own).abs() < 1e-12);
+        }
+        let squares: f64 = (0..3).map(|node| kept(&|s| v(s).powi(2), node)).sum();
+        assert!((squares - 0.5).abs() < 1e-12 && (kept(&|s| v(s).powi(2), 0) - 0.5).abs() > 0.01);
         // a medium that is nearly air has no zone of its own beyond it
         assert_eq!(Ordinates::new(1.0005, &[1.0], [3, 3]).count(), 3);
     }

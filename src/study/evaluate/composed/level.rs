@@ -126,6 +126,8 @@ pub struct Change {
     pub grid: bool,
     /// Whether fringes between the directions that are solved follow from fewer of them.
     pub fewer_directions: bool,
+    /// Whether light that slabs scatter lacks the highest moment that its directions resolve.
+    pub without_highest_moment: bool,
 }
 
 /// The slabs at one wavelength.
@@ -226,7 +228,12 @@ impl Level {
         let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
         let (PortionStates { plate, coherent }, media) = portion.states(wavelength, left_out);
         let grid = if change.grid { portion.grid_error } else { 0.0 };
-        Some(MeanSlab { plate: plate.moved(grid), coherent, media, slab_um: portion.slab_um })
+        let plate = plate.moved(grid);
+        let plate = match change.without_highest_moment {
+            true => plate.with_fewer_directions(&media, &coherent),
+            false => plate,
+        };
+        Some(MeanSlab { plate, coherent, media, slab_um: portion.slab_um })
     }
 
     /// Mean flux matrices at every wavelength.

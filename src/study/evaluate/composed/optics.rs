@@ -4,7 +4,7 @@
 //! All errors are changes of whole spectra, so that a print of several layers moves as a whole:
 //! what every realisation contributes, the grid, the directions, composing, and tables of indices.
 
-use super::errors::{HALVED, MovedLevels};
+use super::errors::{HALVED, MovedLevels, THINNED};
 use super::level::{Change, Level};
 use super::numbers::LayerTask;
 use crate::appearance::paper_series::{AreaOptics, LayerOptics};
@@ -31,6 +31,9 @@ pub(super) fn layer_optics(
     {
         moved.push(task.optics(whole, change, um)?);
     }
+    let thinned = Change { without_highest_moment: true, ..Change::default() };
+    let by_moments = less(&task.optics(whole, thinned, um)?, &here);
+    moved.push(plus(&here, &by_moments, 1.0 / THINNED));
     let by_halving = less(&halved, &here);
     let chance: f64 = of_whole.iter().chain(&of_half).map(|by| square(by)).sum();
     let change = square(&by_halving);
