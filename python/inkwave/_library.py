@@ -619,7 +619,10 @@ class Library:
 
     def _thinned(self, portion: _Portion, flux: _Flux, amplitudes: np.ndarray) -> _Flux:
         """A portion whose scattered light lacks the highest moment that its directions resolve; what goes straight on stays."""
-        many = (flux.ra.shape[-1], flux.rb.shape[-1])
+        p, many = self._polarisations, (flux.ra.shape[-1], flux.rb.shape[-1])
+        ends = np.minimum(portion.between, self.joint_index)
+        # where zones of the media end elsewhere, light of one is shared among the other's directions
+        lost = (np.abs(ends[:, 0] - ends[:, 1]) > _SAME_INDEX)[:, None]
         powers = np.moveaxis(np.abs(amplitudes[:, :, 1:]) ** 2, -1, 2)
         powers = powers.reshape(*powers.shape[:3], -1)
         filters = [np.array([self._filter(index, many[side]) for index in portion.between[:, side]]) for side in (0, 1)]
@@ -627,8 +630,9 @@ class Library:
         def of(m: np.ndarray, side: int, lobe: int) -> np.ndarray:
             states = np.arange(1, min(1 + powers.shape[-1], *m.shape[-2:]))
             straight = np.zeros_like(m)
-            straight[:, states, states] = np.minimum(powers[:, side, lobe, : states.size], m[:, states, states])
-            return np.asarray(straight + filters[side if lobe == 0 else 1 - side] @ (m - straight) @ filters[side])
+            kept = np.where(lost & (lobe == 1) & (states > self._near * p), 0.0, powers[:, side, lobe, : states.size])
+            straight[:, states, states] = np.minimum(kept, m[:, states, states])
+            return np.asarray(straight + filters[side if lobe == 0 else 1 - side] @ (m - straight))
 
         return _Flux(of(flux.ra, 0, 0), of(flux.rb, 1, 0), of(flux.tab, 0, 1), of(flux.tba, 1, 1))
 

@@ -197,6 +197,12 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     if outcome.met {
         return Ok(());
     }
+    if !outcome.is_decided() {
+        return Err(miette!(
+            help = "raise design.realisations or design.verifications: with smaller errors it can be decided",
+            "whether the target is reached is not decided"
+        ));
+    }
     Err(miette!(
         help = "widen the ranges in [[vary]], vary another field or another ink, or accept a larger design.delta_e",
         "the target is not reached"

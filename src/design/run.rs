@@ -136,6 +136,9 @@ pub struct Verified {
     solved: Option<Arc<Composable>>,
 }
 
+/// How the verdict on recipes begins whose errors are too large to decide.
+const NOT_PROVEN: &str = "Not proven";
+
 /// The result of a design.
 #[derive(Clone, Debug, Serialize)]
 pub struct DesignOutcome {
@@ -171,6 +174,14 @@ pub struct DesignOutcome {
     pub variants: usize,
     /// Recipes that were run and have no colour, with the reason.
     pub left_out: Vec<LeftOut>,
+}
+
+impl DesignOutcome {
+    /// Whether the errors of the verified recipes are small enough to say that one of them meets
+    /// the wishes, or that none does.
+    pub fn is_decided(&self) -> bool {
+        self.met || !self.verdict.starts_with(NOT_PROVEN)
+    }
 }
 
 /// What the surfaces rest on.

@@ -496,15 +496,16 @@ const inkwave = (() => {
 
     /** A portion whose scattered light lacks the highest moment that its directions resolve; what goes straight on stays. */
     thinned({ ra, rb, tab, tba }, amplitude, between) {
-      const filters = [this.filter(between[0], ra.n), this.filter(between[1], rb.n)];
+      const filters = [this.filter(between[0], ra.n), this.filter(between[1], rb.n)], ends = between.map(index => Math.min(index, this.index));
+      // where zones of the media end elsewhere, light of one is shared among the other's directions
+      const shared = Math.abs(ends[0] - ends[1]) > SAME_INDEX ? 1 + this.near : this.kept;
       const of = (m, side, lobe) => {
         const straight = zeros(m.n, m.m);
-        for (let d = 1; d < this.kept; d++) for (let pol = 0; pol < this.p; pol++) {
+        for (let d = 1; d < (lobe ? shared : this.kept); d++) for (let pol = 0; pol < this.p; pol++) {
           const state = 1 + (d - 1) * this.p + pol, [x, y] = amplitude(side, d, pol, lobe);
           if (state < Math.min(m.n, m.m)) straight.x[state * m.m + state] = Math.min(x * x + y * y, m.x[state * m.m + state]);
         }
-        const scattered = combine(m, straight, (all, own) => all - own);
-        return plus(straight, times(filters[lobe ? 1 - side : side], times(scattered, filters[side])));
+        return plus(straight, times(filters[lobe ? 1 - side : side], combine(m, straight, (all, own) => all - own)));
       };
       return { ra: of(ra, 0, 0), rb: of(rb, 1, 0), tab: of(tab, 0, 1), tba: of(tba, 1, 1) };
     }

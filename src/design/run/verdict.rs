@@ -1,7 +1,7 @@
 //! What a run is worth: whether it meets the wishes, its place among others, and the verdict in
 //! words.
 
-use super::{DesignRun, Verified};
+use super::{DesignRun, NOT_PROVEN, Verified};
 use crate::design::recipe::{DesignTask, short};
 use crate::design::wish::{NumberWish, ReachedNumber, decimals};
 use crate::numerics::estimate::Estimate;
@@ -64,7 +64,7 @@ impl DesignRun<'_> {
     pub(super) fn verdict(&self, verified: &[Verified], met: bool) -> String {
         let task = self.task;
         let Some(best) = verified.first() else {
-            return "Not proven: no verifying run gave a colour".into();
+            return format!("{NOT_PROVEN}: no verifying run gave a colour");
         };
         let wish = task.settings.delta_e;
         let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
@@ -91,7 +91,7 @@ impl DesignRun<'_> {
             );
         }
         format!(
-            "Not proven: {} is ΔE₀₀ {distance} away (requested: {wish}), and its error is too large to decide: raise \
+            "{NOT_PROVEN}: {} is ΔE₀₀ {distance} away (requested: {wish}), and its error is too large to decide: raise \
              design.realisations or design.verifications.{ends}",
             best.recipe
         )
@@ -126,7 +126,7 @@ impl DesignRun<'_> {
             );
         }
         format!(
-            "Not proven: {} has {all}, and its error is too large to decide: raise design.realisations or design.verifications.{ends}",
+            "{NOT_PROVEN}: {} has {all}, and its error is too large to decide: raise design.realisations or design.verifications.{ends}",
             best.recipe
         )
     }

@@ -7,7 +7,11 @@ const COMPARISON: &[&str] = &["comparison.csv", "residuals.csv"];
 
 pub(super) const COLUMNS: &[Definition] = &[
     number("wavelength_nm", "nm", "vacuum wavelength"),
-    number("thickness_um", "µm", "thickness of the layer"),
+    number(
+        "thickness_um",
+        "µm",
+        "thickness of the layer; of a stack that of the layer with a list of thicknesses, or of all layers where none has one",
+    ),
     only(
         &["spectra.csv", "absorbed.csv"],
         number("polar_deg", "°", "polar angle of the incident light, from the layer's normal"),

@@ -80,10 +80,12 @@ impl Hemisphere {
         lobe: usize,
     ) -> impl Iterator<Item = (usize, f64)> {
         let sines = self.ordinates.sines.iter().zip(&other.ordinates.sines);
-        let shared = sines.enumerate().filter(|(_, (own, other))| (*own - *other).abs() < SAME_SINE);
-        shared.flat_map(move |(node, _)| {
-            let own = amplitudes[node + 1].iter().enumerate();
-            own.map(move |(p, mean)| (self.state(node + 1, p), mean[lobe].norm_sqr()))
+        let is_shared = |(own, other): (&f64, &f64)| (own - other).abs() < SAME_SINE;
+        // a library keeps those of the first zones alone
+        let nodes = sines.map(is_shared).zip(&amplitudes[1..]).enumerate().filter(|(_, (shared, _))| *shared);
+        nodes.flat_map(move |(node, (_, means))| {
+            let shares = means.iter().map(move |mean| mean[lobe].norm_sqr());
+            shares.enumerate().map(move |(p, share)| (self.state(node + 1, p), share))
         })
     }
 

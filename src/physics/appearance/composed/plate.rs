@@ -68,7 +68,8 @@ impl Plate {
     }
 
     /// The same with scattered light that lacks the highest moment which the directions of the
-    /// media resolve. What goes straight on or is mirrored, `coherent`, is taken as it is.
+    /// media resolve. What goes straight on or is mirrored, `coherent`, is taken as it is. Every
+    /// state sends out as much light as before.
     pub fn with_fewer_directions(&self, media: &[Hemisphere; 2], coherent: &Coherent) -> Self {
         let filters = media.each_ref().map(Hemisphere::without_highest_moment);
         let filtered = |m: &Mat<f64>, [from, to]: [usize; 2], lobe: usize| {
@@ -76,7 +77,7 @@ impl Plate {
             for (state, share) in media[from].straight(&media[to], &coherent[from], lobe) {
                 straight[(state, state)] = share.min(m[(state, state)]);
             }
-            &straight + &filters[to] * (m - &straight) * &filters[from]
+            &straight + &filters[to] * (m - &straight)
         };
         Self {
             reflection: [0, 1].map(|side| filtered(&self.reflection[side], [side, side], 0)),
