@@ -52,6 +52,11 @@ pub const LIGHT: &[Slip] = &[
         "[[area]]\ncoverage = 0.5\nresults = \"nowhere\"\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
         ["area[0].results", "nowhere", "a folder of results", "run that study first"],
     ),
+    slip(
+        "[light]",
+        "[[area]]\ncoverage = 0.5\nresults = \" \"\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
+        ["area[0].results", "blanks alone", "a folder", "out/cyan"],
+    ),
     slip("[light]", "[paper]\ncoupling = \"glue\"\n[light]", ["coupling", "glue", "`gap`", "write one of"]),
     slip(
         RANGE,
