@@ -24,10 +24,8 @@ fn orders(state: &mut u64, absorptance: f64) -> Vec<Order> {
         .collect()
 }
 
-/// Whatever the solves say, the mean is reciprocal and has their energy balance; so a matrix
-/// that is transposed, or a weight that is forgotten, is seen here.
-#[test]
-fn the_mean_is_reciprocal_and_balanced() {
+/// An ensemble of made-up solves between air and a binder.
+fn made_up(absorptance: f64) -> (Sides, Vec<Fluxes>) {
     let medium = |index: f64| Hemisphere {
         ordinates: Ordinates::new(index, &[], [3, 3]),
         polarisations: 1,
@@ -35,7 +33,6 @@ fn the_mean_is_reciprocal_and_balanced() {
     };
     let sides = Sides { media: [medium(1.0), medium(1.5)], alike: false };
     let mut state = 7;
-    let absorptance = 0.2;
     let mut ensemble = Vec::new();
     for _ in 0..4 {
         let mut solved = Vec::new();
@@ -51,6 +48,15 @@ fn the_mean_is_reciprocal_and_balanced() {
             orders,
         })));
     }
+    (sides, ensemble)
+}
+
+/// Whatever the solves say, the mean is reciprocal and has their energy balance; so a matrix
+/// that is transposed, or a weight that is forgotten, is seen here.
+#[test]
+fn the_mean_is_reciprocal_and_balanced() {
+    let absorptance = 0.2;
+    let (sides, ensemble) = made_up(absorptance);
     let mean = sides.mean(&ensemble, None);
     let [outer, inner] = sides.media.each_ref().map(Hemisphere::weights);
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
@@ -67,6 +73,39 @@ fn the_mean_is_reciprocal_and_balanced() {
             near(all.map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>()).iter().sum(), 1.0 - absorptance);
         }
     }
+}
+
+/// Without the highest moment every state sends out as much light, and what goes straight on goes
+/// on. *Planted*: the moment of light that comes in taken away as well.
+#[test]
+fn fewer_directions_lose_no_light() {
+    let (sides, ensemble) = made_up(0.2);
+    let mean = sides.mean(&ensemble, None);
+    let coherent = sides.coherent(&ensemble, None);
+    let fewer = mean.with_fewer_directions(&sides.media, &coherent);
+    let [outer, inner] = sides.media.each_ref().map(Hemisphere::states);
+    for (before, after, states) in [
+        (&mean.reflection[0], &fewer.reflection[0], outer),
+        (&mean.transmission[0], &fewer.transmission[0], outer),
+        (&mean.reflection[1], &fewer.reflection[1], inner),
+        (&mean.transmission[1], &fewer.transmission[1], inner),
+    ] {
+        let sum = |m: &Mat<f64>, j: usize| m.col(j).iter().sum::<f64>();
+        for j in 0..states {
+            assert!((sum(before, j) - sum(after, j)).abs() < 1e-12, "{j}");
+        }
+        assert!((before - after).norm_max() > 1e-3);
+    }
+    // nothing but what goes straight on
+    let mut straight = Mat::zeros(outer, outer);
+    let mut mirrors = coherent.clone();
+    for (node, means) in mirrors[0].iter_mut().enumerate().skip(1).take(3) {
+        means[0] = [Complex64::ONE; 2];
+        straight[(node, node)] = 0.5;
+    }
+    let mirror = Plate { reflection: [straight, mean.reflection[1].clone()], ..mean };
+    let kept = mirror.with_fewer_directions(&sides.media, &mirrors);
+    assert!((&kept.reflection[0] - &mirror.reflection[0]).norm_max() < 1e-15);
 }
 
 /// A matrix that is reciprocal and balanced stays as it is; étendues of Gauss's nodes differ.
