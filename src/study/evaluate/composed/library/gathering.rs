@@ -132,10 +132,23 @@ fn eyes(wavelengths_nm: &[f64]) -> Vec<LibraryEye> {
                 illuminant: illuminant.to_owned(),
                 observer: observer.to_owned(),
                 weights,
+                emitted: weights_of_emitted(&eye, wavelengths_nm),
             });
         }
     }
     all
+}
+
+/// The weights of what a paper emits under a lamp with lines, at all of these wavelengths.
+fn weights_of_emitted(eye: &Colorimeter, wavelengths_nm: &[f64]) -> Vec<[f64; 3]> {
+    if !eye.viewing().has_lines() {
+        return Vec::new();
+    }
+    let seen = visible(wavelengths_nm);
+    let powers = eye.viewing().mean_powers(wavelengths_nm);
+    let mut weights = vec![[0.0; 3]; wavelengths_nm.len()];
+    weights[seen.clone()].copy_from_slice(eye.emission(&powers[seen]).rows());
+    weights
 }
 
 /// The powers of the usual illuminants at the wavelengths at which excitation is summed.
