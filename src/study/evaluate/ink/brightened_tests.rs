@@ -17,6 +17,8 @@ const EXCITATION: [[f64; 2]; 7] =
 const EMISSION: [[f64; 2]; 7] =
     [[400.0, 0.0], [420.0, 0.5], [435.0, 1.0], [450.0, 0.85], [480.0, 0.3], [520.0, 0.05], [560.0, 0.0]];
 const YIELD: f64 = 0.7;
+/// ΔE*ab that steps of 5 nm may be off.
+const FIVE_NM: f64 = 0.02;
 
 /// A clear layer on the paper under a light, at wavelengths in equal steps.
 fn study(illuminant: &str, step_nm: usize) -> Study {
@@ -75,9 +77,9 @@ fn brightened_paper_is_right_under_lamps_with_lines_and_smooth_lights() {
             let length = |by: [f64; 3]| by.iter().map(|x| x * x).sum::<f64>().sqrt();
             let off = length(std::array::from_fn(|i| lab[i] - truth.lab[i]));
             let bar = ink.spacing(&sight, &factor).into_iter().map(length).fold(0.0, f64::hypot);
-            println!("{name} {step_nm}: off {off:.4} bar {bar:.4} {lab:?} {:?}", truth.lab);
-            // promise: a twentieth of what the brightener does under F11; one standard error
-            let allowed = if step_nm == 5 { 0.1 } else { bar };
+            // promise: at 5 nm, of which no bar tells, a hundredth of the least that the brightener
+            // does; what the bar of wider steps compares with is known to that
+            let allowed = FIVE_NM + if step_nm == 5 { 0.0 } else { bar };
             assert!(off < allowed, "{name}, {step_nm} nm: {lab:?} {:?}, bar {bar}", truth.lab);
         }
     }
