@@ -340,6 +340,8 @@ class Composed:
     errors: Optional[Dict[str, np.ndarray]] = None
 
 
+# before the name of factors: the parts of them that a paper emits
+_EMITTED = "emitted: "
 _SPECTRA = ("reflectance_normal", "transmittance_normal", "natural_light", "lit_at_45", "over_black", "over_white", "factors")
 _COLOURS = ("lab_natural_light", "lab_lit_at_45", "contrast_ratio", "lab")
 
@@ -381,7 +383,9 @@ class Library:
         # files before form 3 keep amplitudes of the directions from which light reaches air alone
         self._kept_directions = 1 + (self._sines.size if form >= 3 else self._near)
         self._wave = content["wave"]
-        self._eyes = {(eye["illuminant"], eye["observer"]): np.array(eye["weights"]) for eye in content["eyes"]}
+        # weights of factors, and how those of what a paper emits under a lamp with lines differ
+        self._eyes = {(eye["illuminant"], eye["observer"]): np.hstack([eye["weights"], np.subtract(eye.get("emitted") or eye["weights"], eye["weights"])])
+                      for eye in content["eyes"]}
         self._plates = content["plates"]
         self._numbers = {plate["name"]: k for k, plate in enumerate(self._plates)}
         if len(self._numbers) != len(self._plates):
@@ -474,11 +478,13 @@ class Library:
     def _eye(self, composition: Mapping[str, Any]) -> np.ndarray:
         name = (composition.get("illuminant", "D65"), composition.get("observer", "2"))
         if not self._eyes:
-            return np.full((self.wavelengths_nm.size, 3), np.nan)
+            return np.full((self.wavelengths_nm.size, 6), np.nan)
         if name not in self._eyes:
             known = ", ".join("/".join(eye) for eye in self._eyes)
             raise InputError(f"illuminant, observer: found {name[0]}, {name[1]}; allowed are those of the library: {known}")
-        return self._eyes[name]
+        eye = self._eyes[name]
+        # under an instrument's light what is emitted is a part of factors like others
+        return eye if composition.get("condition") is None else np.hstack([eye[:, :3], 0 * eye[:, 3:]])
 
     def _job(self, composition: Composition, number: int) -> _Job:
         layers = composition.get("layers") if isinstance(composition, Mapping) else None
@@ -868,13 +874,15 @@ class Library:
         return _Flux(ra, rb, tab, tba)
 
     def _coloured(self, values: Dict[str, np.ndarray], eyes: np.ndarray) -> Dict[str, np.ndarray]:
-        """Spectra with their colours; eyes are (job, wavelength, 3)."""
-        white = eyes.sum(1)
+        """Spectra with their colours; eyes are (job, wavelength, weights of factors and more of them for what is emitted)."""
+        weights, further = eyes[..., :3], eyes[..., 3:]
+        white = weights.sum(1)
 
         def xyz(name: str) -> np.ndarray:
-            return np.asarray(np.einsum("jw,jwc->jc", values[name], eyes))
+            whole = np.einsum("jw,jwc->jc", values[name], weights)
+            return np.asarray(whole + np.einsum("jw,jwc->jc", values[_EMITTED + name], further) if _EMITTED + name in values else whole)
 
-        found = dict(values)
+        found = {name: x for name, x in values.items() if not name.startswith(_EMITTED)}
         found["lab_natural_light"] = lab(xyz("natural_light"), white)
         found["lab_lit_at_45"] = lab(xyz("lit_at_45"), white)
         found["contrast_ratio"] = xyz("over_black")[:, 1] / xyz("over_white")[:, 1]
@@ -1452,9 +1460,11 @@ def _on_paper(library: Library, jobs: Sequence[_Job], solid: Dict[str, np.ndarra
         for name, entering in (("lit_at_45", area[1]), ("natural_light", solid["diffuse"])):
             kinds = np.stack([area[0], entering, area[2], area[3]])[:, glowing, None, :]
             whole = np.ones((len(glowing), 1)), np.ones((len(glowing), 1))
-            found[name] = found[name].copy()
-            found[name][glowing] += leaving * _emitted(library, [jobs[k] for k in glowing], kinds, whole)[:, 0]
+            part = np.zeros_like(found[name])
+            part[glowing] = leaving * _emitted(library, [jobs[k] for k in glowing], kinds, whole)[:, 0]
+            found[name], found[_EMITTED + name] = found[name] + part, part
         lit = found["lit_at_45"]
+        found[_EMITTED + "factors"] = found[_EMITTED + "lit_at_45"].copy()
     found["factors"] = lit.copy()
     groups: Dict[Any, List[int]] = {}
     for k, job in enumerate(jobs):
@@ -1467,9 +1477,12 @@ def _on_paper(library: Library, jobs: Sequence[_Job], solid: Dict[str, np.ndarra
         mix = (np.array([job.printed.shares for job in some if job.printed]),
                np.array([[job.printed.spread] for job in some if job.printed]))
         emitted = _emitted(library, some, kinds, mix) if glows else np.zeros(kinds.shape[1:])
-        up = np.stack([_fluxes(kinds[..., w], albedo[places][:, w: w + 1], 1.0, emitted[..., w], mix)[1]
-                       for w in range(albedo.shape[1])], -1)
+        up = _rising(kinds, albedo[places], emitted, mix)
         found["factors"][places] = (mix[0][..., None] * kinds[0] + kinds[2] * up).sum(1)
+        if glows:
+            found[_EMITTED + "factors"][places] = (kinds[2] * (up - _rising(kinds, albedo[places], np.zeros_like(emitted), mix))).sum(1)
+        elif _EMITTED + "factors" in found:
+            found[_EMITTED + "factors"][places] = 0.0
     return found
 
 
@@ -1508,6 +1521,11 @@ def _fluxes(kinds: np.ndarray, albedo: np.ndarray, power: Any, emitted: np.ndarr
     own = (lit + albedo * back * spread * shares * all_) / divisor
     rising = (1 - spread) * own + spread * shares * all_
     return [shares * entering * power + back * rising, rising]
+
+
+def _rising(kinds: np.ndarray, albedo: np.ndarray, emitted: np.ndarray, mix: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Light of power 1 that rises from the paper below every kind of area (job, kind, wavelength)."""
+    return np.stack([_fluxes(kinds[..., w], albedo[:, w: w + 1], 1.0, emitted[..., w], mix)[1] for w in range(albedo.shape[1])], -1)
 
 
 def _emitted(library: Library, jobs: Sequence[_Job], kinds: np.ndarray, mix: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:

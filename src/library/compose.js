@@ -949,14 +949,15 @@ const inkwave = (() => {
       });
     }
 
-    /** Factors of a solid under a uniform sky by viewing angle, [angle in degrees, [wavelength]], as the strip of a run's picture has them. */
+    /** Factors of a solid under a uniform sky by viewing angle, as the strip of a run's picture has them: [angle in degrees, [wavelength], the parts that the paper emits under a lamp with lines]. */
     overAngles(composition) {
       const job = { ...this.job(composition), areas: null }, glow = job.light ? this.evaluated(job, null).natural_light : null;
       const rows = this.nm.map((_, w) => {
         const { viewed, numbers } = this.spectral(job, w), all = viewed(), emitted = glow ? glow[w] - numbers.natural_light : 0;
-        return all.map(({ factor, through }) => factor + (emitted ? emitted * through / all[0].through : 0));
+        return all.map(({ factor, through }) => [factor, emitted ? emitted * through / all[0].through : 0]);
       });
-      return VIEW_DEG.map((deg, k) => [deg, rows.map(row => row[k])]);
+      const isOfLines = job.light && job.light.seen;
+      return VIEW_DEG.map((deg, k) => [deg, rows.map(row => row[k][0] + row[k][1]), isOfLines ? rows.map(row => row[k][1]) : undefined]);
     }
 
     /** What the paper emits below kinds of area, of light of power 1, at every wavelength; `kinds` are their optics by wavelength. */
@@ -1057,26 +1058,34 @@ const inkwave = (() => {
       return eye;
     }
 
+    /** Numbers of a composition; `emitted` are the parts of its factors that the paper emits under a lamp with lines. */
     evaluated(job, eye) {
-      const rows = this.nm.map((_, w) => this.spectral(job, w)), found = {}, solid = rows.map(row => row.area);
+      const emitted = {}, rows = this.nm.map((_, w) => this.spectral(job, w)), found = { emitted }, solid = rows.map(row => row.area);
       for (const name of Object.keys(rows[0].numbers)) found[name] = rows.map(row => row.numbers[name]);
       if (job.light) {
         const mix = { shares: [1], spread: 1 }, leaving = solid.map((a, w) => a.leaving / ((1 - job.albedo[w]) + job.albedo[w] * a.lost));
-        const add = (name, kind) => { const sent = this.emitted(job.light, mix, [kind]); found[name] = found[name].map((x, w) => x + leaving[w] * sent[w][0]); };
+        const add = (name, kind) => {
+          const sent = this.emitted(job.light, mix, [kind]), part = leaving.map((x, w) => x * sent[w][0]);
+          found[name] = found[name].map((x, w) => x + part[w]);
+          if (job.light.seen) emitted[name] = part;
+        };
         add("lit_at_45", solid);
         add("natural_light", rows.map(({ area, sky }) => ({ ...area, entering: sky })));
       }
-      found.factors = job.areas ? this.printed(job, solid) : found.lit_at_45;
+      found.factors = found.lit_at_45;
+      emitted.factors = emitted.lit_at_45;
+      if (job.areas) [found.factors, emitted.factors] = this.printed(job, solid);
       if (!eye) return found;
-      found.xyz = xyzOf(eye, found.factors);
-      found.lab_natural_light = labOf(xyzOf(eye, found.natural_light), whiteOf(eye));
-      found.lab_lit_at_45 = labOf(xyzOf(eye, found.lit_at_45), whiteOf(eye));
+      const seen = name => xyzOf(eye, found[name], emitted[name]);
+      found.xyz = seen("factors");
+      found.lab_natural_light = labOf(seen("natural_light"), whiteOf(eye));
+      found.lab_lit_at_45 = labOf(seen("lit_at_45"), whiteOf(eye));
       found.contrast_ratio = xyzOf(eye, found.over_black)[1] / xyzOf(eye, found.over_white)[1];
       found.lab = labOf(found.xyz, whiteOf(eye));
       return found;
     }
 
-    /** Radiance factors of a print in dots at 45:0. */
+    /** Radiance factors of a print in dots at 45:0, and the parts of them that the paper emits under a lamp with lines. */
     printed(job, solid) {
       const { kinds, ...mix } = job.areas, optics = kinds.map(kind => {
         if (!kind.length) return solid.map(() => bare(job.contact ? this.index : 1));
@@ -1085,7 +1094,9 @@ const inkwave = (() => {
         return this.nm.map((_, w) => this.spectral(own, w).area);
       });
       const emitted = job.light ? this.emitted(job.light, mix, optics) : null;
-      return this.nm.map((_, w) => mixed(optics.map(kind => kind[w]), mix, job.albedo[w], emitted ? emitted[w] : []));
+      const factors = sent => this.nm.map((_, w) => mixed(optics.map(kind => kind[w]), mix, job.albedo[w], sent ? sent[w] : []));
+      const lit = factors(emitted), dark = emitted && job.light.seen ? factors(null) : null;
+      return [lit, dark ? lit.map((x, w) => x - dark[w]) : undefined];
     }
 
     /** A composition's numbers without bars. */
@@ -1116,7 +1127,7 @@ const inkwave = (() => {
       }
       const known = cells.flat().every(([, , count]) => count > 1), errors = {};
       for (const [name, value] of Object.entries(base)) {
-        if (name === "xyz") continue;
+        if (name === "xyz" || name === "emitted") continue;
         const list = Array.isArray(value), values = list ? value : [value], at = (k, i) => list ? many[k][name][i] : many[k][name];
         const variances = values.map((_, i) => {
           let place = 4;
@@ -1148,7 +1159,11 @@ const inkwave = (() => {
     }
     return NaN;
   }
-  const xyzOf = (eye, spectrum) => [0, 1, 2].map(c => sum(eye.weights.map((weight, w) => weight[c] * spectrum[w])));
+  /** X, Y, Z of factors; `emitted` are the parts of them that a paper emits under a lamp with lines, which weigh otherwise. */
+  function xyzOf(eye, spectrum, emitted = null) {
+    const own = emitted && eye.emitted && eye.emitted.length ? eye.emitted : null;
+    return [0, 1, 2].map(c => sum(eye.weights.map((weight, w) => weight[c] * spectrum[w] + (own ? (own[w][c] - weight[c]) * emitted[w] : 0))));
+  }
   const whiteOf = eye => [0, 1, 2].map(c => sum(eye.weights.map(weight => weight[c])));
   function labOf(xyz, white) {
     const [x, y, z] = xyz.map((v, c) => { const t = v / white[c]; return t > 216 / 24389 ? Math.cbrt(t) : 841 / 108 * t + 16 / 116; });

@@ -174,6 +174,8 @@
     return [make("p", { class: "soft" }, "The scalar wave crosses the paper's surface as s light, and the paper between the dots is seen in unpolarised light: a clear layer does not look quite like bare paper. Plates solved with light.wave = \"unpolarised\" have both alike.")];
   }
 
+  const xyzOf = (eye, found, name) => inkwave.xyzOf(eye, found[name], found.emitted[name]);
+
   /** What a state looks like: at once without bars, which follow. */
   async function look(k) {
     const state = states[k], run = ++running[k];
@@ -182,7 +184,7 @@
       if (!state.layers.length) { $(`numbers-${k}`).textContent = "no layer: drag an ink here"; $(`patch-${k}`).style.background = "none"; $(`angles-${k}`).replaceChildren(); return summary(); }
       const wanted = composition(state), found = library.compose(wanted), eye = library.eye(wanted);
       results[k] = { state, found, errors: null };
-      const xyz = inkwave.xyzOf(eye, found[seen(state)[0]]);
+      const xyz = xyzOf(eye, found, seen(state)[0]);
       $(`patch-${k}`).style.background = css(inkwave.screen(xyz, inkwave.whiteOf(eye)));
       strip(k, state, wanted, eye);
       angles(k, wanted, eye);
@@ -196,14 +198,14 @@
     const steps = 11, dots = { ruling_per_cm: state.ruling, spread_um: state.spread };
     $(`strip-${k}`).replaceChildren(...Array.from({ length: steps }, (_, i) => {
       const found = library.compose({ ...wanted, layers: wanted.layers.map(({ coverage, ...layer }) => layer), dots: { ...dots, coverage: i / (steps - 1) } });
-      return make("div", { style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, found.factors), inkwave.whiteOf(eye)))}` });
+      return make("div", { style: `background:${css(inkwave.screen(xyzOf(eye, found, "factors"), inkwave.whiteOf(eye)))}` });
     }));
   }
 
   /** The strip of a run's picture, lying: the solid in natural light by viewing angle. */
   function angles(k, wanted, eye) {
-    const all = library.overAngles(wanted), lab = ([, factors]) => inkwave.labOf(inkwave.xyzOf(eye, factors), inkwave.whiteOf(eye)).map(x => x.toFixed(1)).join(", ");
-    $(`angles-${k}`).replaceChildren(...all.map(own => make("div", { title: `${own[0]}°: L*, a*, b* ${lab(own)}`, style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, own[1]), inkwave.whiteOf(eye)))}` })));
+    const all = library.overAngles(wanted), lab = ([, ...light]) => inkwave.labOf(inkwave.xyzOf(eye, ...light), inkwave.whiteOf(eye)).map(x => x.toFixed(1)).join(", ");
+    $(`angles-${k}`).replaceChildren(...all.map(own => make("div", { title: `${own[0]}°: L*, a*, b* ${lab(own)}`, style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, ...own.slice(1)), inkwave.whiteOf(eye)))}` })));
     $(`angles-${k}`).setAttribute("aria-label", `Colours of ${"AB"[k]} by viewing angle: ${lab(all[0])} at 0°, ${lab(all.at(-1))} at ${all.at(-1)[0]}°`);
   }
 
@@ -264,7 +266,7 @@
     const points = [], all = stacks();
     for (let i = 0; i < all.length; i++) {
       const found = library.compose({ ...base, layers: all[i].map(plate => ({ plate })) }), eye = library.eye(base);
-      points.push({ names: all[i], lab: found[seen(state)[1]], css: css(inkwave.screen(inkwave.xyzOf(eye, found[seen(state)[0]]), inkwave.whiteOf(eye))) });
+      points.push({ names: all[i], lab: found[seen(state)[1]], css: css(inkwave.screen(xyzOf(eye, found, seen(state)[0]), inkwave.whiteOf(eye))) });
       if (i % 10 === 9) { about.textContent = `${i + 1} of ${all.length} stacks`; await new Promise(done => setTimeout(done)); }
     }
     about.textContent = `${all.length} stacks of up to three layers on the paper of A`;

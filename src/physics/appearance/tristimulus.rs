@@ -1,9 +1,11 @@
 //! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
 
 mod beyond;
+mod emission;
 mod spacing;
 
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
+pub use emission::EmissionWeights;
 pub use spacing::Guide;
 
 use super::viewing::{ColourError, Summation, Viewing};
@@ -72,22 +74,7 @@ impl Colorimeter {
     /// See [`Colorimeter::new`].
     pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
         check_grid(wavelengths_nm)?;
-        let plain = viewing.summation == Summation::Plain && !viewing.has_lines();
-        let (step_nm, mut raw) = if plain && is_direct(wavelengths_nm) {
-            let direct = wavelengths_nm.iter().map(|&nm| light_times_observer(nm, viewing));
-            (mean_step(wavelengths_nm), direct.collect())
-        } else {
-            let (step_nm, light) = integrand(wavelengths_nm, viewing);
-            (step_nm, distributed(wavelengths_nm, light, Interpolation::Cubic))
-        };
-        let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
-        if viewing.summation == Summation::Plain {
-            for end in &ends {
-                let weight = &mut raw[end.node()];
-                let beyond = end.white();
-                *weight = std::array::from_fn(|c| weight[c] + beyond[c]);
-            }
-        }
+        let RawWeights { step_nm, raw, ends } = RawWeights::new(wavelengths_nm, viewing, viewing);
         let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
         let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
         let white_xyz = weighted_sum(&weights, &vec![1.0; weights.len()]);
@@ -104,6 +91,11 @@ impl Colorimeter {
     /// The wavelengths, nm, increasing.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.wavelengths_nm
+    }
+
+    /// Illuminant, observer and summation.
+    pub fn viewing(&self) -> &Viewing {
+        &self.viewing
     }
 
     /// Weight of a narrow band at a wavelength, per nm: the integrand that the sum over the grid
@@ -136,6 +128,36 @@ impl Colorimeter {
     pub fn linear_rgb(&self, xyz: [f64; 3]) -> [f64; 3] {
         let rgb = rgb_of(adapted(&self.adaptation, xyz));
         std::array::from_fn(|c| rgb[c] / self.white_rgb[c])
+    }
+}
+
+/// Weights of X, Y, Z of the wavelengths of a grid before white has Y = 100.
+struct RawWeights {
+    /// Step of the sum, nm.
+    step_nm: f64,
+    raw: Vec<[f64; 3]>,
+    ends: [SpectrumEnd; 2],
+}
+
+impl RawWeights {
+    /// Sums by the rule of one viewing over the light of another, for the same observer.
+    fn new(grid: &[f64], rule: &Viewing, light: &Viewing) -> Self {
+        let plain = rule.summation == Summation::Plain && !rule.has_lines();
+        let (step_nm, mut raw) = if plain && is_direct(grid) {
+            (mean_step(grid), grid.iter().map(|&nm| light_times_observer(nm, light)).collect())
+        } else {
+            let (step_nm, places) = integrand(grid, rule, light);
+            (step_nm, distributed(grid, places, Interpolation::Cubic))
+        };
+        let ends = SpectrumEnd::both(grid, step_nm, light);
+        if rule.summation == Summation::Plain {
+            for end in &ends {
+                let weight = &mut raw[end.node()];
+                let beyond = end.white();
+                *weight = std::array::from_fn(|c| weight[c] + beyond[c]);
+            }
+        }
+        Self { step_nm, raw, ends }
     }
 }
 
@@ -222,18 +244,18 @@ type Integrand = Vec<(f64, [f64; 3])>;
 
 /// The step of the sum to which a grid is resampled, and the light there. By ASTM E308 every
 /// nanometre of the tables counts, and the range beyond the grid is assigned to its ends.
-fn integrand(grid: &[f64], viewing: &Viewing) -> (f64, Integrand) {
+fn integrand(grid: &[f64], rule: &Viewing, light: &Viewing) -> (f64, Integrand) {
     let first = grid[0];
     let last = grid[grid.len() - 1];
-    if viewing.summation == Summation::E308 {
+    if rule.summation == Summation::E308 {
         let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
-        return (1.0, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), viewing.row(nm))).collect());
+        return (1.0, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), light.row(nm))).collect());
     }
-    let most_nm = if viewing.has_lines() { LINES_STEP_NM } else { RESAMPLED_STEP_NM };
+    let most_nm = if rule.has_lines() { LINES_STEP_NM } else { RESAMPLED_STEP_NM };
     let intervals = ((last - first) / most_nm - 1e-9).ceil().max(1.0);
     let places = (0..=intervals as usize).map(|k| first + (last - first) * k as f64 / intervals);
-    let light = places.map(|nm| (nm, light_times_observer(nm, viewing)));
-    ((last - first) / intervals, light.collect())
+    let summed = places.map(|nm| (nm, light_times_observer(nm, light)));
+    ((last - first) / intervals, summed.collect())
 }
 
 /// How a spectrum is interpolated between the wavelengths of a grid.

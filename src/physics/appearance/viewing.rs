@@ -71,6 +71,9 @@ pub enum ColourError {
 /// Step of the tables of illuminants, nm.
 const TABLE_STEP_NM: f64 = 1.0;
 
+/// The illuminant of one power at all wavelengths.
+const EVEN: &str = "E";
+
 /// Illuminants without spectral lines.
 const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
 
@@ -165,6 +168,11 @@ impl Viewing {
     /// Whether the illuminant is a lamp with spectral lines.
     pub fn has_lines(&self) -> bool {
         !SMOOTH.contains(&self.illuminant.as_str())
+    }
+
+    /// The same observer and summation in light of one power at all wavelengths.
+    pub(super) fn in_even_light(&self) -> Self {
+        Self { illuminant: EVEN.to_owned(), ..self.clone() }
     }
 
     /// Relative spectral power of the illuminant at a wavelength from 300 to 780 nm; 0 outside, and

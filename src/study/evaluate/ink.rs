@@ -8,6 +8,7 @@ mod moved;
 mod places;
 mod sums;
 
+pub(super) use brightened::emitted_parts;
 pub use colours::Sight;
 
 use super::films::{FilmAt, Films};

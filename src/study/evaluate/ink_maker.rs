@@ -7,7 +7,7 @@ mod coefficients;
 
 pub use coefficients::KubelkaMunkRow;
 
-use super::ink::{InkError, InkOnPaper, Sight};
+use super::ink::{InkError, InkOnPaper, Sight, emitted_parts};
 use super::on_paper::LayerOnPaper;
 use super::prints::Brightened;
 use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
@@ -238,7 +238,21 @@ impl Question<'_> {
             shared.push(std::array::from_fn(|i| FRAC_1_SQRT_2 * (there[i] - here.lab[i])));
         }
         let lab_covariance = self.uncertainty.widen_lab(here.lab_covariance, &shared);
-        Ok(distance(&Colour { lab_covariance, ..here }, there.lab))
+        let lab = self.lab_of_emission(&meter, &common)?.unwrap_or(here.lab);
+        Ok(distance(&Colour { lab, lab_covariance, ..here }, there.lab))
+    }
+
+    /// Lab of the prediction at some wavelengths of the spectra without a gap, where the paper emits
+    /// light under a lamp with lines, which is no part of factors.
+    fn lab_of_emission(&self, meter: &Colorimeter, common: &[usize]) -> Result<Option<[f64; 3]>, InkError> {
+        let (Some(&first), Some(&last)) = (common.first(), common.last()) else { return Ok(None) };
+        let Some(weights) = self.ink.emission(meter, &(first..last + 1)) else { return Ok(None) };
+        let factor = |layer: &LayerOnPaper| self.factor(layer, UNMOVED);
+        let layers = &self.ink.layers()[first..=last];
+        let emitted = emitted_parts(layers, &factor);
+        let dark: Vec<f64> = layers.iter().zip(&emitted).map(|(layer, part)| factor(layer) - part).collect();
+        let (dark, emitted) = (meter.xyz(&dark)?, weights.xyz(&emitted));
+        Ok(Some(meter.colour_of(std::array::from_fn(|c| dark[c] + emitted[c])).lab))
     }
 }
 

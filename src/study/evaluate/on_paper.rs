@@ -40,6 +40,8 @@ pub struct Emitted {
     pub natural: EmittedShare,
     /// Lit at 45°, and taken for all other directions of light.
     pub lit_at_45: EmittedShare,
+    /// Power of the lamp that both are over, where it has lines and excites the paper.
+    pub lamp_power: Option<f64>,
 }
 
 /// The layer on paper at one wavelength.
@@ -120,6 +122,11 @@ impl LayerOnPaper {
     /// The layer over another backing of the given albedo, which does not fluoresce.
     pub fn over(&self, albedo: f64) -> Self {
         Self { paper_albedo: albedo, emitted: Emitted::default(), ..*self }
+    }
+
+    /// The layer on the same paper without what that emits.
+    pub(super) fn dark(&self) -> Self {
+        Self { emitted: Emitted::default(), ..*self }
     }
 
     /// The layer as light from this angle and light between it and the paper meet it, seen at

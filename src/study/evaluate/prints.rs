@@ -6,7 +6,7 @@ mod between;
 mod emission;
 mod tint;
 
-pub use emission::{Brightened, EmittedLight, lit_factors};
+pub use emission::{Brightened, EmittedLight, LitAreas};
 pub use tint::{InkCoverage, PrintedTint};
 
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
@@ -92,7 +92,10 @@ pub(super) fn bare_factors(study: &Study) -> Vec<f64> {
     let mix = AreaMix::whole();
     let daylight = Brightened::new(&study.paper, nm, &Viewing::default(), 0.0);
     let emitted = daylight.as_ref().map(|light| light.below(&mix, &[&bare], nm));
-    lit_factors(&mix, &[&bare], &albedos_at(&study.paper, nm), emitted.as_ref(), nm)
+    let albedos = albedos_at(&study.paper, nm);
+    let kinds: [&[AreaOptics]; 1] = [&bare];
+    LitAreas { mix: &mix, kinds: &kinds, albedos: &albedos, emitted: emitted.as_ref(), wavelengths_nm: nm }
+        .factors()
 }
 
 /// What bare paper does of L*, a*, b* at 45:0 between wavelengths, under a light where it
@@ -107,10 +110,19 @@ pub(super) fn paper_between(
     let Some((between, eye)) = PaperBetween::new(paper, nm, viewing).zip(eye) else { return [0.0; 3] };
     let bare = vec![bare_area(paper.coupling); nm.len()];
     let mix = AreaMix::whole();
-    let emitted = light.map(|light| light.below(&mix, &[&bare], nm));
-    let beyond = between.beyond(&mix, &[&bare], emitted.as_ref(), nm);
-    let factors = lit_factors(&mix, &[&bare], &albedos_at(paper, nm), emitted.as_ref(), nm);
-    let Ok(xyz) = eye.xyz(&factors[visible(nm)]) else { return [0.0; 3] };
+    let kinds: [&[AreaOptics]; 1] = [&bare];
+    let emitted = light.map(|light| light.below(&mix, &kinds, nm));
+    let albedos = albedos_at(paper, nm);
+    let lit = LitAreas {
+        mix: &mix,
+        kinds: &kinds,
+        albedos: &albedos,
+        emitted: emitted.as_ref(),
+        wavelengths_nm: nm,
+    };
+    let emission = light.and_then(|light| light.emission(&eye, nm));
+    let Ok(xyz) = lit.xyz(&eye, emission.as_ref()) else { return [0.0; 3] };
+    let beyond = between.beyond(&lit, emission.as_ref());
     let coarse = eye.colour_of(xyz).lab;
     let fine = eye.colour_of(std::array::from_fn(|c| xyz[c] + beyond[c])).lab;
     std::array::from_fn(|i| fine[i] - coarse[i])
@@ -288,10 +300,18 @@ impl<'a> PrintTask<'a> {
                 [exciting].into_iter().chain(kinds[1..].iter().copied()).collect();
             light.below(&mix, &exciting, nm)
         });
-        let factors = lit_factors(&mix, &kinds, &self.albedos, emitted.as_ref(), nm);
+        let lit = LitAreas {
+            mix: &mix,
+            kinds: &kinds,
+            albedos: &self.albedos,
+            emitted: emitted.as_ref(),
+            wavelengths_nm: nm,
+        };
+        let factors = lit.factors();
+        // lit by instruments, whose light is smooth
         let mut xyz = self.eye.xyz(self.seen(&factors)).unwrap_or([f64::NAN; 3]);
         if let Some(between) = &self.between {
-            let beyond = between.beyond(&mix, &kinds, emitted.as_ref(), nm);
+            let beyond = between.beyond(&lit, None);
             xyz.iter_mut().zip(beyond).for_each(|(sum, beyond)| *sum += beyond);
         }
         SeenPrint { factors, xyz }

@@ -73,6 +73,9 @@ pub struct ColourNumbers<T> {
     pub over_black: Lab<T>,
     /// Y over black by Y over white, at 45:0 (ISO 6504-3).
     pub contrast_ratio: T,
+    /// X, Y, Z under natural light and at 45:0 beyond those of the factors, where light that the
+    /// paper emits under a lamp with lines is no part of these; 0 elsewhere.
+    pub beyond_factors: [Lab<T>; 2],
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, 1/sr.
@@ -161,7 +164,13 @@ impl ColourNumbers<f64> {
     /// NaN for all of them.
     pub fn unknown() -> Self {
         let lab = [f64::NAN; 3];
-        Self { natural_light: lab, lit_at_45: lab, over_black: lab, contrast_ratio: f64::NAN }
+        Self {
+            natural_light: lab,
+            lit_at_45: lab,
+            over_black: lab,
+            contrast_ratio: f64::NAN,
+            beyond_factors: [lab; 2],
+        }
     }
 }
 
@@ -176,6 +185,11 @@ impl<T> ColourNumbers<T> {
             lit_at_45: lab(self.lit_at_45, other.lit_at_45),
             over_black: lab(self.over_black, other.over_black),
             contrast_ratio: number(self.contrast_ratio, other.contrast_ratio),
+            beyond_factors: {
+                let [natural, lit] = self.beyond_factors;
+                let [other_natural, other_lit] = other.beyond_factors;
+                [lab(natural, other_natural), lab(lit, other_lit)]
+            },
         }
     }
 
@@ -186,6 +200,7 @@ impl<T> ColourNumbers<T> {
             lit_at_45: self.lit_at_45.map(&number),
             over_black: self.over_black.map(&number),
             contrast_ratio: number(self.contrast_ratio),
+            beyond_factors: self.beyond_factors.map(|xyz| xyz.map(&number)),
         }
     }
 }

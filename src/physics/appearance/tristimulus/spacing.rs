@@ -76,7 +76,7 @@ impl Colorimeter {
     /// Independent errors of X, Y, Z.
     fn spacing_xyz(&self, values: &[f64], guide: Option<&Guide>) -> Vec<[f64; 3]> {
         let grid = &self.wavelengths_nm;
-        let (step_nm, light) = integrand(grid, &self.viewing);
+        let (step_nm, light) = integrand(grid, &self.viewing, &self.viewing);
         let scale = self.scale_per_nm * step_nm;
         let light: Vec<_> = light.into_iter().map(|(nm, row)| (nm, row.map(|w| scale * w))).collect();
         let unknown: Vec<f64> = match guide {

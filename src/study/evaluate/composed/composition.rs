@@ -26,11 +26,11 @@ use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::halftone::murray_davies;
 use crate::appearance::paper::{Coupling, MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
-use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
 use crate::evaluate::printed::open_between;
-use crate::evaluate::prints::{Brightened, PrintNumbers, lit_factors, paper_between};
+use crate::evaluate::prints::{Brightened, LitAreas, PrintNumbers, paper_between};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use crate::input::measured::MeasuredCondition;
@@ -125,6 +125,8 @@ struct CompositionTask<'a> {
     eye: Option<Colorimeter>,
     /// The paper under the light that excites it, where it fluoresces.
     light: Option<Brightened>,
+    /// How the eye sums what the paper emits under a lamp with lines.
+    emission: Option<EmissionWeights>,
     /// What the paper does of L*, a*, b* between the wavelengths, bare.
     paper: [f64; 3],
     /// The print in dots, if it is one.
@@ -199,14 +201,17 @@ impl<'a> CompositionTask<'a> {
         let paper = paper.checked(library.joint.index, nm)?;
         let albedo = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
         let light = paper::lit(&paper, nm, *condition, &viewing)?;
+        let eye = Colorimeter::under(&nm[visible(nm)], &viewing).ok();
+        let emission = light.as_ref().zip(eye.as_ref()).and_then(|(light, eye)| light.emission(eye, nm));
         let task = Self {
             library,
             paper: paper_between(&paper, nm, light.as_ref(), &viewing),
             layers: placed,
             coupling: paper.coupling,
             albedos: nm.iter().map(albedo).collect::<Result<_, _>>()?,
-            eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok(),
+            eye,
             light,
+            emission,
             areas,
         };
         Ok((task, thickness_um))
@@ -282,11 +287,11 @@ impl<'a> CompositionTask<'a> {
             self.print(areas, &areas.kinds.iter().map(kind).collect::<Vec<_>>())
         });
         let prints = prints.collect();
-        let spectra: Vec<LayerNumbers<f64>> = solid.into_iter().map(|own| own.numbers).collect();
         let colours = self.eye.as_ref().map(|eye| {
             let seen = visible(&self.library.wavelengths_nm);
-            colours_of(eye, &spectra[seen]).unwrap_or(ColourNumbers::unknown())
+            colours_of(eye, self.emission.as_ref(), &solid[seen]).unwrap_or(ColourNumbers::unknown())
         });
+        let spectra: Vec<LayerNumbers<f64>> = solid.into_iter().map(|own| own.numbers).collect();
         ComposedNumbers::of_requested(vec![ThicknessNumbers {
             spectra,
             colours,
@@ -322,26 +327,26 @@ impl<'a> CompositionTask<'a> {
         AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() }
     }
 
+    /// Factors of kinds of area at 45:0, and X, Y, Z, NaN where the wavelengths carry no colour.
+    fn seen(&self, mix: &AreaMix, kinds: &[&[AreaOptics]]) -> (Vec<f64>, [f64; 3]) {
+        let nm = &self.library.wavelengths_nm;
+        let emitted = self.light.as_ref().map(|light| light.below(mix, kinds, nm));
+        let lit =
+            LitAreas { mix, kinds, albedos: &self.albedos, emitted: emitted.as_ref(), wavelengths_nm: nm };
+        let xyz = self.eye.as_ref().and_then(|eye| lit.xyz(eye, self.emission.as_ref()).ok());
+        (lit.factors(), xyz.unwrap_or([f64::NAN; 3]))
+    }
+
     /// The print in dots at 45:0; `optics` are those of every kind of area, wavelength by
     /// wavelength.
     fn print(&self, areas: &KindsOfArea, optics: &[Vec<AreaOptics>]) -> PrintNumbers<f64> {
-        let nm = &self.library.wavelengths_nm;
         let kinds: Vec<&[AreaOptics]> = optics.iter().map(Vec::as_slice).collect();
-        let factors = |mix: &AreaMix| -> Vec<f64> {
-            let emitted = self.light.as_ref().map(|light| light.below(mix, &kinds, nm));
-            lit_factors(mix, &kinds, &self.albedos, emitted.as_ref(), nm)
-        };
-        let colour = |factors: &[f64]| {
-            let seen = &factors[visible(nm)];
-            self.eye.as_ref().and_then(|eye| eye.colour(seen).ok())
-        };
-        let luminance = |factors: &[f64]| colour(factors).map_or(f64::NAN, |colour| colour.xyz[1]);
         let alone = |kind: usize| {
             let shares = (0..kinds.len()).map(|k| f64::from(u8::from(k == kind))).collect();
-            luminance(&factors(&AreaMix { shares, ..areas.mix.clone() }))
+            self.seen(&AreaMix { shares, ..areas.mix.clone() }, &kinds).1[1]
         };
-        let printed = factors(&areas.mix);
-        let (lab, xyz) = colour(&printed).map_or(([f64::NAN; 3], [f64::NAN; 3]), |seen| (seen.lab, seen.xyz));
+        let (printed, xyz) = self.seen(&areas.mix, &kinds);
+        let lab = self.eye.as_ref().map_or([f64::NAN; 3], |eye| eye.colour_of(xyz).lab);
         let tint = xyz[1];
         let paper = alone(0);
         // several inks have no one coverage, and no solids of each to sum densities of

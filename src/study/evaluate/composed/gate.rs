@@ -72,6 +72,15 @@ struct JudgedColour {
     lab: Lab<ErrorParts>,
 }
 
+/// What a colour owes to the paper alone.
+#[derive(Clone, Copy, Default)]
+struct SeenPaper {
+    /// What it leaves open of L*, a*, b* between the wavelengths.
+    open: [f64; 3],
+    /// X, Y, Z beyond those of the factors ([`ColourNumbers::beyond_factors`]).
+    beyond: [f64; 3],
+}
+
 /// The rows of one thickness and the eye that sums them to colours.
 pub struct LayerInColour<'a> {
     /// The eye.
@@ -101,12 +110,15 @@ impl LayerInColour<'_> {
         };
         let sky = Brightest::under_sky(self.fluoresces);
         let one_side = Brightest::AboveWhite;
+        let [natural_beyond, lit_beyond] =
+            numbers.beyond_factors.map(|xyz| SeenPaper { open: self.paper, beyond: xyz.map(|c| c.value) });
+        let no_paper = SeenPaper::default();
         let natural_light =
-            self.judged(|row| row.layer.natural_light, numbers.natural_light, (sky, self.paper));
+            self.judged(|row| row.layer.natural_light, numbers.natural_light, (sky, natural_beyond));
         let natural_light = keep(natural_light, "under natural light");
-        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, (one_side, self.paper));
+        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, (one_side, lit_beyond));
         let lit_at_45 = keep(lit_at_45, "at 45°:0°");
-        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, (one_side, [0.0; 3]));
+        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, (one_side, no_paper));
         let over_black = keep(over_black, "at 45°:0° over black");
         let contrast_ratio = match self.contrast_ratio(numbers.contrast_ratio) {
             Ok(ratio) => Some(ratio),
@@ -140,13 +152,14 @@ impl LayerInColour<'_> {
         &self,
         spectrum: LayerSpectrum,
         lab: Lab<ErrorParts>,
-        (brightest, paper): (Brightest, [f64; 3]),
+        (brightest, paper): (Brightest, SeenPaper),
     ) -> Result<JudgedColour, String> {
         let values = self.values(spectrum);
-        let colour = self.eye.colour(&values).map_err(|error| error.to_string())?;
+        let factors = self.eye.xyz(&values).map_err(|error| error.to_string())?;
+        let colour = self.eye.colour_of(std::array::from_fn(|c| factors[c] + paper.beyond[c]));
         let mut shifts = self.eye.spacing(&values, colour.xyz, None);
         shifts.extend(self.eye.beyond(&values, colour.xyz));
-        shifts.push(paper);
+        shifts.push(paper.open);
         let lab: Lab<ErrorParts> = std::array::from_fn(|c| {
             let wavelengths = shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c]));
             ErrorParts { wavelengths, ..lab[c] }.summed()

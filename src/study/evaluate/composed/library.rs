@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-9;
 #[serde(deny_unknown_fields)]
 pub struct Library {
     /// Version of this form of file: 4; 1 lacks `lights`, 2 amplitudes of light turned back by air,
-    /// 3 `seen_powers` and slabs whose mean index is below that of the joints.
+    /// 3 `seen_powers`, `emitted` and slabs whose mean index is below that of the joints.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,
@@ -80,6 +80,10 @@ pub struct LibraryEye {
     pub observer: String,
     /// Weights of X, Y and Z for factors at the library's wavelengths; a perfect white has Y = 100.
     pub weights: Vec<[f64; 3]>,
+    /// Under a lamp with lines, the weights of what the paper emits over `seen_powers`; none under
+    /// smooth light, of which all parts of factors weigh the same.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub emitted: Vec<[f64; 3]>,
 }
 
 /// The power of an illuminant.

@@ -12,7 +12,7 @@ use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::paper_series::AreaOptics;
-use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, visible};
 use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::in_light_of;
 use crate::evaluate::numbers::AskedNumber;
@@ -57,6 +57,8 @@ pub struct LayerTask<'a> {
     pub prints: Option<PrintTask<'a>>,
     /// The paper under D65, where it fluoresces.
     pub daylight: Option<Brightened>,
+    /// How the eye sums what the paper emits under a lamp with lines.
+    emission: Option<EmissionWeights>,
     /// Thicknesses of the curve, µm.
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
@@ -83,7 +85,9 @@ impl<'a> LayerTask<'a> {
         let viewing = if own_light { &study.judgement.viewing } else { &daylight };
         let task = Self::under(study, viewing, LayerExtent::Print { own_light })?;
         let light = if own_light { in_light_of(study).map_err(|e| e.to_string())? } else { task.daylight };
-        Ok(Self { prints: None, daylight: light, ..task })
+        let light_and_eye = light.as_ref().zip(task.colorimeter.as_ref());
+        let emission = light_and_eye.and_then(|(light, eye)| light.emission(eye, &study.wavelengths_nm));
+        Ok(Self { prints: None, daylight: light, emission, ..task })
     }
 
     fn under(study: &'a Study, viewing: &Viewing, extent: LayerExtent) -> Result<Self, String> {
@@ -104,6 +108,7 @@ impl<'a> LayerTask<'a> {
                 .collect(),
             prints: PrintTask::new(study),
             daylight: Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0),
+            emission: None,
             curve_um: Vec::new(),
             around_hiding_um: None,
             extent,
@@ -183,10 +188,12 @@ impl<'a> LayerTask<'a> {
     /// Spectra with their colours, weighted numbers and prints.
     fn coloured(&self, all: Vec<SpectralLayer>) -> ThicknessNumbers<f64> {
         let optics: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let seen = &all[self.visible.clone()];
+        let colours = self
+            .colorimeter
+            .as_ref()
+            .map(|eye| colours_of(eye, self.emission.as_ref(), seen).unwrap_or(ColourNumbers::unknown()));
         let spectra: Vec<LayerNumbers<f64>> = all.into_iter().map(|layer| layer.numbers).collect();
-        let seen = &spectra[self.visible.clone()];
-        let colours = self.colorimeter.as_ref();
-        let colours = colours.map(|eye| colours_of(eye, seen).unwrap_or(ColourNumbers::unknown()));
         let weighted = self.weighted.iter().map(|asked| self.weighted_number(asked, &spectra)).collect();
         let prints = self.prints.as_ref().map_or(Vec::new(), |prints| prints.numbers(&optics));
         ThicknessNumbers { spectra, colours, weighted, prints }
@@ -203,11 +210,6 @@ impl<'a> LayerTask<'a> {
         let is_excluded = self.study.output.mirrored_sky == MirroredSky::Excluded;
         let of = |light: SeenLight| rows.iter().map(|row| row.seen(light, is_excluded)).collect();
         asked.wanted.spectra().map(of).collect()
-    }
-
-    /// Its numbers at every wavelength.
-    fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
-        self.with_optics(slabs, thickness_um, per_h).into_iter().map(|layer| layer.numbers).collect()
     }
 
     /// Its numbers with what light between the layer and its paper meets, and what the paper emits.
@@ -245,9 +247,9 @@ impl<'a> LayerTask<'a> {
 
     /// Whether a layer of this number of slabs hides; `None` if it has no colour.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
-        let spectra = self.spectra(slabs, count as f64 * self.composed.slab_um, 1.0);
-        let seen = &spectra[self.visible.clone()];
-        Some(colours_of(self.colorimeter.as_ref()?, seen)?.contrast_ratio >= HIDING)
+        let layer = self.with_optics(slabs, count as f64 * self.composed.slab_um, 1.0);
+        let seen = &layer[self.visible.clone()];
+        Some(colours_of(self.colorimeter.as_ref()?, None, seen)?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
@@ -273,17 +275,33 @@ impl LayerNumbers<f64> {
     }
 }
 
-/// Colours of a layer from its visible spectra; `None` if one of them has none.
-pub(super) fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
-    let colour = |spectrum: fn(&LayerNumbers<f64>) -> f64| {
-        eye.colour(&spectra.iter().map(spectrum).collect::<Vec<_>>()).ok()
+/// Colours of a layer from its visible spectra; `None` if one of them has none. `emission` is how
+/// light is summed that the paper emits under a lamp with lines.
+pub(super) fn colours_of(
+    eye: &Colorimeter,
+    emission: Option<&EmissionWeights>,
+    seen: &[SpectralLayer],
+) -> Option<ColourNumbers<f64>> {
+    let xyz_of = |spectrum: &dyn Fn(&SpectralLayer) -> f64| {
+        eye.xyz(&seen.iter().map(spectrum).collect::<Vec<_>>()).ok()
     };
-    let over_black = colour(|layer| layer.over_black)?;
-    let over_white = colour(|layer| layer.over_white)?;
+    let beyond = |light: usize| {
+        let Some(weights) = emission else { return Some([0.0; 3]) };
+        let part = |layer: &SpectralLayer| layer.emitted[light];
+        let whole = weights.xyz(&seen.iter().map(part).collect::<Vec<_>>());
+        let as_factors = xyz_of(&part)?;
+        Some(std::array::from_fn(|c| whole[c] - as_factors[c]))
+    };
+    let beyond_factors: [[f64; 3]; 2] = [beyond(0)?, beyond(1)?];
+    let lab =
+        |[x, y, z]: [f64; 3], [by_x, by_y, by_z]: [f64; 3]| eye.colour_of([x + by_x, y + by_y, z + by_z]).lab;
+    let over_black = xyz_of(&|layer| layer.numbers.over_black)?;
+    let over_white = xyz_of(&|layer| layer.numbers.over_white)?;
     Some(ColourNumbers {
-        natural_light: colour(|layer| layer.natural_light)?.lab,
-        lit_at_45: colour(|layer| layer.lit_at_45)?.lab,
-        over_black: over_black.lab,
-        contrast_ratio: over_black.xyz[1] / over_white.xyz[1],
+        natural_light: lab(xyz_of(&|layer| layer.numbers.natural_light)?, beyond_factors[0]),
+        lit_at_45: lab(xyz_of(&|layer| layer.numbers.lit_at_45)?, beyond_factors[1]),
+        over_black: eye.colour_of(over_black).lab,
+        contrast_ratio: over_black[1] / over_white[1],
+        beyond_factors,
     })
 }

@@ -18,6 +18,8 @@ pub struct SpectralLayer {
     pub numbers: LayerNumbers<f64>,
     /// As light at 45:0 and light between it and the paper meet it.
     pub(super) at_45: AreaOptics,
+    /// The parts of its factors under natural light and at 45:0 that the paper emits.
+    pub(super) emitted: [f64; 2],
 }
 
 /// A layer or a stack at one wavelength, alone and on paper of this albedo.
@@ -70,7 +72,7 @@ pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64
         over_black: lit(&layer.on(BLACK)),
         over_white: lit(&layer.on(WHITE)),
     };
-    SpectralLayer { numbers, at_45 }
+    SpectralLayer { numbers, at_45, emitted: [0.0; 2] }
 }
 
 /// Layers at every wavelength on paper of these albedos, with what the paper emits under a light.
@@ -89,8 +91,10 @@ pub(super) fn brightened(
     let sky = light.below(&mix, &[&natural], wavelengths_nm).relative(wavelengths_nm);
     for (((layer, lit), sky), albedo) in all.iter_mut().zip(lit).zip(sky).zip(albedos) {
         let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
-        layer.numbers.lit_at_45 += leaving * lit.iter().sum::<f64>();
-        layer.numbers.natural_light += leaving * sky.iter().sum::<f64>();
+        layer.emitted = [sky, lit].map(|kinds| leaving * kinds.iter().sum::<f64>());
+        let [natural_light, lit_at_45] = layer.emitted;
+        layer.numbers.lit_at_45 += lit_at_45;
+        layer.numbers.natural_light += natural_light;
     }
     all
 }

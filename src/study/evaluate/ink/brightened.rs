@@ -1,11 +1,13 @@
 //! The ink on paper that fluoresces: what the paper emits below it depends on the layer at all
 //! shorter wavelengths.
 
-use super::{InkOnPaper, MovedNodes};
+use super::{InkOnPaper, MovedNodes, Sight};
 use crate::appearance::paper::{PRINT_DEG, PaperError};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights};
 use crate::evaluate::on_paper::{Emitted, EmittedShare, LayerOnPaper, PolarAngle};
 use crate::evaluate::prints::Brightened;
+use std::ops::Range;
 
 /// Step of the differences that stand for derivatives by R and T.
 const STEP: f64 = 1e-4;
@@ -58,9 +60,54 @@ impl InkOnPaper {
         let places_nm: Vec<f64> = layers.iter().map(|layer| self.wavelength_nm(layer)).collect();
         let lit_at_45 = shares(&at_45, outputs_nm, &places_nm, brightened);
         let natural = shares(&natural, outputs_nm, &places_nm, brightened);
-        let both = natural.into_iter().zip(lit_at_45);
-        both.map(|(natural, lit_at_45)| Emitted { natural, lit_at_45 }).collect()
+        let powers = brightened.lamp_powers(&places_nm);
+        let both = natural.into_iter().zip(lit_at_45).enumerate();
+        both.map(|(i, (natural, lit_at_45))| Emitted {
+            natural,
+            lit_at_45,
+            lamp_power: powers.as_ref().map(|powers| powers[i]),
+        })
+        .collect()
     }
+
+    /// How an eye sums what the paper emits at these nodes, where a lamp with lines excites it.
+    pub(in crate::evaluate) fn emission(
+        &self,
+        meter: &Colorimeter,
+        nodes: &Range<usize>,
+    ) -> Option<EmissionWeights> {
+        let power = |layer: &LayerOnPaper| layer.emitted.lamp_power;
+        let powers: Option<Vec<f64>> = self.whole[nodes.clone()].iter().map(power).collect();
+        powers.filter(|_| meter.viewing().has_lines()).map(|powers| meter.emission(&powers))
+    }
+
+    /// What light that is emitted between the wavelengths of the spectra does to Lab, as far as the
+    /// coherent film tells.
+    pub(super) fn emission_between(
+        &self,
+        sight: &Sight,
+        xyz: [f64; 3],
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Option<[f64; 3]> {
+        let [on_grid, fine] = self.guides(sight);
+        let emitted = |nodes: &Range<usize>, meter: &Colorimeter| {
+            Some(self.emission(meter, nodes)?.xyz(&emitted_parts(&self.whole[nodes.clone()], quantity)))
+        };
+        let closely = Colorimeter::under(&self.nodes.wavelengths_nm[fine.clone()], sight.meter.viewing());
+        let closely = emitted(fine, &closely.ok()?)?;
+        let own = emitted(on_grid, &sight.meter)?;
+        let here = sight.meter.colour_of(xyz).lab;
+        let there = sight.meter.colour_of(std::array::from_fn(|c| xyz[c] + closely[c] - own[c])).lab;
+        Some(std::array::from_fn(|i| there[i] - here[i]))
+    }
+}
+
+/// The parts of a quantity that the paper emits.
+pub(in crate::evaluate) fn emitted_parts(
+    layers: &[LayerOnPaper],
+    quantity: &impl Fn(&LayerOnPaper) -> f64,
+) -> Vec<f64> {
+    layers.iter().map(|layer| quantity(layer) - quantity(&layer.dark())).collect()
 }
 
 /// S/E at these places, and its derivatives by R and T of all wavelengths together.
@@ -81,3 +128,7 @@ fn shares(
     let share = |i: usize| [here[i], (by_r[i] - here[i]) / STEP, (by_t[i] - here[i]) / STEP];
     (0..here.len()).map(share).collect()
 }
+
+#[cfg(test)]
+#[path = "brightened_tests.rs"]
+mod tests;

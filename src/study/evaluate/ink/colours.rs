@@ -1,11 +1,11 @@
 //! Colours and the picture of an ink on its paper, with the errors due to fits and angles.
 
+use super::brightened::emitted_parts;
 use super::{InkError, InkOnPaper, Places};
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
-use crate::appearance::tristimulus::Colorimeter;
-use crate::appearance::tristimulus::Guide;
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, Guide};
 use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
@@ -37,6 +37,9 @@ pub struct Sight {
     /// Whether to add the residuals of the solves from the fitted spectra, which requires smooth
     /// weights.
     beyond_fit: bool,
+    /// How light is summed that the paper emits under a lamp with lines; none where it is a part of
+    /// factors like others.
+    emission: Option<EmissionWeights>,
 }
 
 impl InkOnPaper {
@@ -51,7 +54,8 @@ impl InkOnPaper {
         let nodes = if tabulated { &self.places.visible } else { &self.places.colours }.clone();
         let meter = Colorimeter::under(&self.nodes.wavelengths_nm[nodes.clone()], viewing)?;
         let apart = nodes == self.places.visible;
-        Ok(Sight { meter, nodes, apart, beyond_fit: !tabulated && !viewing.has_lines() })
+        let emission = self.emission(&meter, &nodes);
+        Ok(Sight { meter, nodes, apart, beyond_fit: !tabulated && !viewing.has_lines(), emission })
     }
 
     /// Standard errors of Lab due to what the spectrum does between wavelengths, beside its film
@@ -64,9 +68,16 @@ impl InkOnPaper {
         if !sight.apart {
             return Vec::new();
         }
-        let values = self.values(sight, quantity);
-        let Ok(xyz) = sight.meter.xyz(&values) else { return Vec::new() };
-        sight.meter.spacing(&values, xyz, self.guide(sight, quantity).as_ref())
+        let Ok(xyz) = sight.xyz(&self.whole, quantity) else { return Vec::new() };
+        if sight.emission.is_none() {
+            let values = self.values(sight, quantity);
+            return sight.meter.spacing(&values, xyz, self.guide(sight, quantity).as_ref());
+        }
+        let dark = |layer: &LayerOnPaper| quantity(&layer.dark());
+        let guide = self.guide(sight, &dark);
+        let mut shifts = sight.meter.spacing(&self.values(sight, &dark), xyz, guide.as_ref());
+        shifts.extend(self.emission_between(sight, xyz, quantity));
+        shifts
     }
 
     /// Standard error of Y due to the same.
@@ -85,14 +96,18 @@ impl InkOnPaper {
     /// The quantity between the wavelengths of the spectra: of the coherent film beside a list, and
     /// fitted over a range.
     fn guide(&self, sight: &Sight, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Option<Guide> {
-        let Places { guide, fine_guide, colours, visible, .. } = &self.places;
-        let of_film = [guide, fine_guide];
-        let [on_grid, fine] = if colours == visible { of_film } else { [&sight.nodes, colours] };
+        let [on_grid, fine] = self.guides(sight);
         let values = |nodes: &Range<usize>| self.whole[nodes.clone()].iter().map(quantity).collect();
         let fine_nm = self.nodes.wavelengths_nm[fine.clone()].to_vec();
         let guide = Guide { on_grid: values(on_grid), fine: values(fine), fine_nm };
         let known = guide.on_grid.iter().chain(&guide.fine).all(|value| value.is_finite());
         (known && !guide.on_grid.is_empty()).then_some(guide)
+    }
+
+    /// Where a guide is known: at the wavelengths of the spectra, and between them.
+    pub(super) fn guides<'a>(&'a self, sight: &'a Sight) -> [&'a Range<usize>; 2] {
+        let Places { guide, fine_guide, colours, visible, .. } = &self.places;
+        if colours == visible { [guide, fine_guide] } else { [&sight.nodes, colours] }
     }
 
     /// Shifts of Lab due to errors of the tables of indices, each independent: add them in squares.
@@ -252,7 +267,7 @@ impl InkOnPaper {
     ) -> Result<Colour, InkError> {
         let meter = &sight.meter;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);
-        let mut xyz = meter.xyz(&sight.values(layers, quantity))?;
+        let mut xyz = sight.xyz(layers, quantity)?;
         let kept: Vec<usize> = (0..self.places.solved.len()).filter(|&r| Some(r) != left_out).collect();
         for &r in kept.iter().filter(|_| sight.beyond_fit) {
             let nodes = self.places.solved[r].clone();
@@ -342,6 +357,18 @@ impl InkOnPaper {
 impl Sight {
     fn values(&self, layers: &[LayerOnPaper], quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
         layers[self.nodes.clone()].iter().map(quantity).collect()
+    }
+
+    /// X, Y, Z of a quantity.
+    fn xyz(
+        &self,
+        layers: &[LayerOnPaper],
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<[f64; 3], ColourError> {
+        let Some(weights) = &self.emission else { return self.meter.xyz(&self.values(layers, quantity)) };
+        let dark = self.meter.xyz(&self.values(layers, &|layer| quantity(&layer.dark())))?;
+        let emitted = weights.xyz(&emitted_parts(&layers[self.nodes.clone()], quantity));
+        Ok(std::array::from_fn(|c| dark[c] + emitted[c]))
     }
 }
 

@@ -5,7 +5,7 @@ use super::{BLACK, WHITE, in_light_of};
 use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::evaluate::ink::{InkError, InkOnPaper};
-use crate::evaluate::prints::lit_factors;
+use crate::evaluate::prints::LitAreas;
 use crate::input::study::Study;
 
 /// The ink lit at 45° and seen along the normal, without its paper.
@@ -41,7 +41,10 @@ impl BareInk {
         let light = in_light_of(study)?;
         let emitted = light.as_ref().map(|light| light.below(&mix, &[&self.at_45], nm));
         let albedos = nm.iter().map(|&nm| study.paper.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
-        let mut factors = lit_factors(&mix, &[&self.at_45], &albedos, emitted.as_ref(), nm);
+        let kinds: [&[AreaOptics]; 1] = [&self.at_45];
+        let emitted = emitted.as_ref();
+        let lit = LitAreas { mix: &mix, kinds: &kinds, albedos: &albedos, emitted, wavelengths_nm: nm };
+        let mut factors = lit.factors();
         for albedo in [BLACK, WHITE] {
             factors.extend(self.at_45.iter().map(|area| mix.factor(&[*area], albedo, &[])));
         }

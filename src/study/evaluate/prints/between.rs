@@ -1,9 +1,9 @@
 //! What paper does between the wavelengths of a study. The layers on it are known at these alone
 //! and taken as smooth, but the paper is given, and so is its colour.
 
-use super::EmittedLight;
-use crate::appearance::paper_series::{AreaMix, AreaOptics};
-use crate::appearance::tristimulus::{Colorimeter, lagrange_shares, visible};
+use super::{EmittedLight, LitAreas};
+use crate::appearance::paper_series::AreaOptics;
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, lagrange_shares, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::study::Paper;
 
@@ -59,14 +59,33 @@ impl PaperBetween {
         Some(Self { places, eye: Colorimeter::under(&places_nm, viewing).ok()? })
     }
 
-    /// X, Y, Z of a print beyond those of its sum over the study's wavelengths.
-    pub fn beyond(
-        &self,
-        mix: &AreaMix,
-        kinds: &[&[AreaOptics]],
-        emitted: Option<&EmittedLight>,
-        wavelengths_nm: &[f64],
-    ) -> [f64; 3] {
+    /// X, Y, Z of a print beyond those of its sum over the study's wavelengths; `emission` is how
+    /// the eye sums there what the paper emits under a lamp with lines.
+    pub fn beyond(&self, lit: &LitAreas, emission: Option<&EmissionWeights>) -> [f64; 3] {
+        let Some(weights) = emission else { return self.beyond_factors(lit) };
+        let dark = self.beyond_factors(&LitAreas { emitted: None, ..*lit });
+        let own = weights.xyz(&lit.emitted_parts()[visible(lit.wavelengths_nm)]);
+        let closely = self.emitted(lit);
+        std::array::from_fn(|c| dark[c] + closely[c] - own[c])
+    }
+
+    /// X, Y, Z of what the paper emits at the places between.
+    fn emitted(&self, lit: &LitAreas) -> [f64; 3] {
+        let at_places = |kind: &&[AreaOptics]| -> Vec<AreaOptics> {
+            self.places.iter().map(|place| AreaOptics::sum(kind, &place.shares)).collect()
+        };
+        let kinds: Vec<Vec<AreaOptics>> = lit.kinds.iter().map(at_places).collect();
+        let kinds: Vec<&[AreaOptics]> = kinds.iter().map(Vec::as_slice).collect();
+        let albedos: Vec<f64> = self.places.iter().map(|place| place.albedo).collect();
+        let nm = self.eye.wavelengths_nm();
+        let closely = LitAreas { kinds: &kinds, albedos: &albedos, wavelengths_nm: nm, ..*lit };
+        let weights = lit.emitted.and_then(|light| light.brightened.emission(&self.eye, nm));
+        weights.map_or([0.0; 3], |weights| weights.xyz(&closely.emitted_parts()))
+    }
+
+    /// The same where what the paper emits is a part of factors like others.
+    fn beyond_factors(&self, lit: &LitAreas) -> [f64; 3] {
+        let LitAreas { mix, kinds, emitted, wavelengths_nm, .. } = *lit;
         let of_wavelengths = EmittedLight::of(emitted, wavelengths_nm);
         let of_places = EmittedLight::of(emitted, self.eye.wavelengths_nm());
         let difference = |(place, emitted): (&PaperPlace, &Vec<f64>)| {

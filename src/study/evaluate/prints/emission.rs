@@ -2,6 +2,7 @@
 
 use crate::appearance::fluorescence::{CUT_NM, summed_nm, summed_powers};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, visible};
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
 use crate::input::study::Paper;
@@ -20,7 +21,7 @@ pub struct Brightened {
 
 /// What the paper below every kind of area emits, against wavelength.
 pub struct EmittedLight<'a> {
-    brightened: &'a Brightened,
+    pub(super) brightened: &'a Brightened,
     /// \[wavelength\]\[kind of area\]
     emitted: Vec<Vec<f64>>,
 }
@@ -64,6 +65,22 @@ impl Brightened {
         })
     }
 
+    /// Powers of a lamp with lines that shares of emitted light at these wavelengths are over;
+    /// `None` of smooth light.
+    pub fn lamp_powers(&self, wavelengths_nm: &[f64]) -> Option<Vec<f64>> {
+        Some(self.lamp.as_ref()?.mean_powers(wavelengths_nm))
+    }
+
+    /// How an eye under the same lamp with lines sums such shares at those of these wavelengths that
+    /// it sees; `None` where they are parts of factors like others: of smooth light, and where the
+    /// paper is excited by other light than the eye's.
+    pub fn emission(&self, eye: &Colorimeter, wavelengths_nm: &[f64]) -> Option<EmissionWeights> {
+        let lamp = self.lamp.as_ref()?;
+        let powers = self.lamp_powers(wavelengths_nm)?;
+        (lamp.illuminant() == eye.viewing().illuminant())
+            .then(|| eye.emission(&powers[visible(wavelengths_nm)]))
+    }
+
     /// What is emitted below kinds of area that are known at these wavelengths.
     pub fn below(&self, mix: &AreaMix, kinds: &[&[AreaOptics]], wavelengths_nm: &[f64]) -> EmittedLight<'_> {
         let at = |&nm: &f64| kinds.iter().map(|kind| AreaOptics::at(kind, wavelengths_nm, nm)).collect();
@@ -73,21 +90,54 @@ impl Brightened {
     }
 }
 
-/// Radiance factors of kinds of area at wavelengths on paper of these albedos, under light of which
-/// the paper emits this besides.
-pub fn lit_factors(
-    mix: &AreaMix,
-    kinds: &[&[AreaOptics]],
-    albedos: &[f64],
-    emitted: Option<&EmittedLight>,
-    wavelengths_nm: &[f64],
-) -> Vec<f64> {
-    let emitted = EmittedLight::of(emitted, wavelengths_nm);
-    let factor = |(i, albedo): (usize, &f64)| {
-        let areas: Vec<AreaOptics> = kinds.iter().map(|kind| kind[i]).collect();
-        mix.factor(&areas, *albedo, &emitted[i])
-    };
-    albedos.iter().enumerate().map(factor).collect()
+/// Kinds of area on a paper at 45:0, against wavelength.
+#[derive(Clone, Copy)]
+pub struct LitAreas<'a> {
+    /// Their shares, and the spread of the light between them.
+    pub mix: &'a AreaMix,
+    /// \[kind of area\]\[wavelength\]
+    pub kinds: &'a [&'a [AreaOptics]],
+    /// Albedos of the paper.
+    pub albedos: &'a [f64],
+    /// What it emits besides, if it fluoresces.
+    pub emitted: Option<&'a EmittedLight<'a>>,
+    /// The wavelengths, nm, rising.
+    pub wavelengths_nm: &'a [f64],
+}
+
+impl LitAreas<'_> {
+    /// Radiance factors, with what the paper emits.
+    pub fn factors(&self) -> Vec<f64> {
+        let emitted = EmittedLight::of(self.emitted, self.wavelengths_nm);
+        let factor = |(i, albedo): (usize, &f64)| {
+            let areas: Vec<AreaOptics> = self.kinds.iter().map(|kind| kind[i]).collect();
+            self.mix.factor(&areas, *albedo, &emitted[i])
+        };
+        self.albedos.iter().enumerate().map(factor).collect()
+    }
+
+    /// The parts of the factors that the paper emits.
+    pub fn emitted_parts(&self) -> Vec<f64> {
+        let dark = Self { emitted: None, ..*self };
+        self.factors().into_iter().zip(dark.factors()).map(|(lit, dark)| lit - dark).collect()
+    }
+
+    /// X, Y, Z for an eye at those of the wavelengths that it sees; `emission` is how it sums what
+    /// the paper emits under a lamp with lines ([`Brightened::emission`]).
+    ///
+    /// # Errors
+    /// Factors that are no numbers.
+    pub fn xyz(
+        &self,
+        eye: &Colorimeter,
+        emission: Option<&EmissionWeights>,
+    ) -> Result<[f64; 3], ColourError> {
+        let seen = visible(self.wavelengths_nm);
+        let Some(weights) = emission else { return eye.xyz(&self.factors()[seen]) };
+        let dark = eye.xyz(&Self { emitted: None, ..*self }.factors()[seen.clone()])?;
+        let emitted = weights.xyz(&self.emitted_parts()[seen]);
+        Ok(std::array::from_fn(|c| dark[c] + emitted[c]))
+    }
 }
 
 impl EmittedLight<'_> {
@@ -97,10 +147,10 @@ impl EmittedLight<'_> {
     }
 
     /// S_k/E at every wavelength of a list that a colour or a spectrum takes; nothing where there
-    /// is no light to compare with. E is the light that each of them stands for in a sum: S is
-    /// smooth where a lamp has lines, and S/E times the sum's weight of such a line is S again.
+    /// is no light to compare with. E is the light about each of them: colours under lamps with
+    /// lines, where S is smooth, sum it without E ([`Brightened::emission`]).
     pub fn relative(&self, wavelengths_nm: &[f64]) -> Vec<Vec<f64>> {
-        let means = self.brightened.lamp.as_ref().map(|lamp| lamp.mean_powers(wavelengths_nm));
+        let means = self.brightened.lamp_powers(wavelengths_nm);
         let mean = |i: usize| means.as_ref().map(|means| means[i]);
         wavelengths_nm.iter().enumerate().map(|(i, &nm)| self.relative_to(nm, mean(i))).collect()
     }

@@ -132,10 +132,23 @@ fn eyes(wavelengths_nm: &[f64]) -> Vec<LibraryEye> {
                 illuminant: illuminant.to_owned(),
                 observer: observer.to_owned(),
                 weights,
+                emitted: weights_of_emitted(&eye, wavelengths_nm),
             });
         }
     }
     all
+}
+
+/// The weights of what a paper emits under a lamp with lines, at all of these wavelengths.
+fn weights_of_emitted(eye: &Colorimeter, wavelengths_nm: &[f64]) -> Vec<[f64; 3]> {
+    if !eye.viewing().has_lines() {
+        return Vec::new();
+    }
+    let seen = visible(wavelengths_nm);
+    let powers = eye.viewing().mean_powers(wavelengths_nm);
+    let mut weights = vec![[0.0; 3]; wavelengths_nm.len()];
+    weights[seen.clone()].copy_from_slice(eye.emission(&powers[seen]).rows());
+    weights
 }
 
 /// The powers of the usual illuminants at the wavelengths at which excitation is summed.
@@ -151,4 +164,33 @@ pub(super) fn lights(wavelengths_nm: &[f64]) -> Vec<LibraryLight> {
         Some(LibraryLight { illuminant: illuminant.to_owned(), powers, seen_powers })
     };
     ILLUMINANTS.into_iter().filter_map(light).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The weights of emitted light in a file give, with its powers, what a sum over every nanometre
+    /// gives; smooth lights need none. *Planted*: powers at the wavelengths.
+    #[test]
+    fn emitted_light_weighs_as_in_a_sum_over_every_nanometre() {
+        let nm: Vec<f64> = (0..36).map(|i| 380.0 + 10.0 * f64::from(i)).collect();
+        let every: Vec<f64> = (380..=730).map(f64::from).collect();
+        let radiance = |nm: f64| (-0.5 * ((nm - 450.0) / 30.0).powi(2)).exp();
+        for eye in eyes(&nm) {
+            let lamp = Viewing::new(&eye.illuminant, &eye.observer, Summation::Plain).unwrap();
+            assert_eq!(eye.emitted.len(), if lamp.has_lines() { nm.len() } else { 0 }, "{}", eye.illuminant);
+            let Some(light) = lights(&nm).into_iter().find(|light| light.illuminant == eye.illuminant) else {
+                panic!("no light of {}", eye.illuminant)
+            };
+            let factors: Vec<f64> = every.iter().map(|&nm| radiance(nm) / lamp.power(nm)).collect();
+            let truth = Colorimeter::under(&every, &lamp).unwrap().xyz(&factors).unwrap();
+            let parts = nm.iter().zip(&light.seen_powers).map(|(nm, power)| radiance(*nm) / power);
+            let mut xyz = [0.0; 3];
+            parts.zip(&eye.emitted).for_each(|(part, row)| (0..3).for_each(|c| xyz[c] += part * row[c]));
+            // order: cubic interpolation over 10 nm of a band of σ = 30 nm
+            let near = xyz.iter().zip(truth).all(|(have, want)| (have / want - 1.0).abs() < 1e-3);
+            assert!(near || eye.emitted.is_empty(), "{}: {xyz:?} {truth:?}", eye.illuminant);
+        }
+    }
 }

@@ -40,14 +40,16 @@ impl ComposedPrint {
         let [whole, half] = levels_of(study, solved)?;
         let moved = moved_levels(study, solved);
         let own = judged(study, true, [&whole, &half], moved.as_ref())?;
+        let colours = own.colours.first();
+        let colour = colours.and_then(|colours| colour(study, &own, independent(colours.lit_at_45?)));
+        let contrast_ratio = colours.and_then(|colours| Some(colours.contrast_ratio?.estimate()));
         let numbers = match is_lit_apart(study) {
             true => judged(study, false, [&whole, &half], moved.as_ref())?.weighted,
             false => own.weighted,
         };
-        let colours = own.colours.first();
         Ok(Self {
-            colour: colours.and_then(|colours| colour(study, &own.rows, independent(colours.lit_at_45?))),
-            contrast_ratio: colours.and_then(|colours| Some(colours.contrast_ratio?.estimate())),
+            colour,
+            contrast_ratio,
             numbers,
             withheld: own.withheld,
             realisations: solved.iter().map(|(_, c)| c.complete().count()).min().unwrap_or(0),
@@ -79,11 +81,14 @@ fn judged(
 }
 
 /// The colour at 45:0.
-fn colour(study: &Study, rows: &[ComposedRow], lab_covariance: [[f64; 3]; 3]) -> Option<Colour> {
+fn colour(study: &Study, own: &ThicknessRows, lab_covariance: [[f64; 3]; 3]) -> Option<Colour> {
     let task = LayerTask::of_print(study, true).ok()?;
     let lit = |row: &ComposedRow| row.layer.lit_at_45.map(|factor| factor.value);
-    let factors: Option<Vec<f64>> = rows.get(task.visible.clone())?.iter().map(lit).collect();
-    let colour = task.colorimeter?.colour(&factors?).ok()?;
+    let factors: Option<Vec<f64>> = own.rows.get(task.visible.clone())?.iter().map(lit).collect();
+    let eye = task.colorimeter?;
+    let xyz = eye.xyz(&factors?).ok()?;
+    let beyond = own.beyond_factors.first().copied().unwrap_or_default();
+    let colour = eye.colour_of(std::array::from_fn(|c| xyz[c] + beyond[c]));
     Some(Colour { lab_covariance: Some(lab_covariance), ..colour })
 }
 

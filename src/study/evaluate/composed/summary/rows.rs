@@ -1,7 +1,6 @@
 //! Rows of the published tables, and what of them is withheld.
 
 use crate::appearance::composed::flux::Hemisphere;
-use crate::appearance::viewing::Viewing;
 use crate::evaluate::composed::distribution::projected_sr;
 use crate::evaluate::composed::gate::{self, LayerInColour};
 use crate::evaluate::composed::level::Slabs;
@@ -24,6 +23,8 @@ const CLEAR: f64 = 0.5;
 pub(super) struct ThicknessRows {
     pub rows: Vec<ComposedRow>,
     pub colours: Vec<ComposedColours>,
+    /// X, Y, Z at 45:0 that these have beyond the factors of the rows.
+    pub beyond_factors: Vec<[f64; 3]>,
     pub weighted: Vec<NumberNote>,
     pub withheld: Vec<Withheld>,
 }
@@ -52,10 +53,11 @@ impl ThicknessRows {
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
             let Study { paper, wavelengths_nm, .. } = task.study;
-            let paper = paper_between(paper, wavelengths_nm, task.daylight.as_ref(), &Viewing::default());
+            let paper = paper_between(paper, wavelengths_nm, task.daylight.as_ref(), eye.viewing());
             let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
+            self.beyond_factors.push(numbers.beyond_factors[1].map(|xyz| xyz.value));
             self.withheld.extend(withheld);
         }
         self.add_weighted(task, thickness_um, numbers);
