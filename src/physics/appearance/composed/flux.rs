@@ -13,8 +13,6 @@ const ROUNDS: usize = 2000;
 const REACHED: f64 = 1e-14;
 /// Share of the light that may be missing where rounds end before: clear slabs come within 1e-4.
 const MISSING: f64 = 1e-3;
-/// Difference of lateral wavenumbers that is rounding.
-const SAME_SINE: f64 = 1e-9;
 
 /// States of light in a half-space. State 0 is the beam at 0°; the nodes follow, each with its
 /// polarisations; then the beam at an oblique angle, if there is one.
@@ -57,36 +55,6 @@ impl Hemisphere {
     pub fn cosines(&self) -> Vec<f64> {
         let cosines = self.directions_deg().into_iter().skip(1).map(|deg| deg.to_radians().cos());
         once(1.0).chain(cosines.flat_map(|cosine| repeat_n(cosine, self.polarisations))).collect()
-    }
-
-    /// Fluxes of all states with those of the nodes without their highest moment.
-    pub(super) fn without_highest_moment(&self) -> Mat<f64> {
-        let nodes = self.ordinates.without_highest_moment();
-        let mut filter = Mat::identity(self.states(), self.states());
-        for (i, j) in (0..nodes.nrows()).flat_map(|i| (0..nodes.ncols()).map(move |j| (i, j))) {
-            for p in 0..self.polarisations {
-                filter[(self.state(i + 1, p), self.state(j + 1, p))] = nodes[(i, j)];
-            }
-        }
-        filter
-    }
-
-    /// The states of the nodes with the shares that the mean wave of a side keeps of their light
-    /// in a lobe, 0 reflected and 1 transmitted, which goes to the same states of `other`.
-    pub(super) fn straight(
-        &self,
-        other: &Self,
-        amplitudes: &[Vec<[Complex64; 2]>],
-        lobe: usize,
-    ) -> impl Iterator<Item = (usize, f64)> {
-        let sines = self.ordinates.sines.iter().zip(&other.ordinates.sines);
-        let is_shared = |(own, other): (&f64, &f64)| (own - other).abs() < SAME_SINE;
-        // a library keeps those of the first zones alone
-        let nodes = sines.map(is_shared).zip(&amplitudes[1..]).enumerate().filter(|(_, (shared, _))| *shared);
-        nodes.flat_map(move |(node, (_, means))| {
-            let shares = means.iter().map(move |mean| mean[lobe].norm_sqr());
-            shares.enumerate().map(move |(p, share)| (self.state(node + 1, p), share))
-        })
     }
 
     /// Adds light of a direction to its nodes.

@@ -20,6 +20,7 @@
 //! that interferes over the whole of it. Adding fluxes alone is off by a factor of 4 in R at 0° of
 //! two thin inks; with the mean wave as a film both ways agree within some per cent.
 
+mod fewer_directions;
 pub mod flux;
 mod fraction;
 pub mod fringes;

@@ -1,6 +1,5 @@
 //! Flux matrices of a slab for light from both of its sides, and their composition.
 
-use super::flux::{Coherent, Hemisphere};
 use crate::numerics::dense::MatrixEntry;
 use faer::Mat;
 
@@ -65,24 +64,6 @@ impl Plate {
             }
         }
         self
-    }
-
-    /// The same with scattered light that lacks the highest moment which the directions of the
-    /// media resolve. What goes straight on or is mirrored, `coherent`, is taken as it is. Every
-    /// state sends out as much light as before.
-    pub fn with_fewer_directions(&self, media: &[Hemisphere; 2], coherent: &Coherent) -> Self {
-        let filters = media.each_ref().map(Hemisphere::without_highest_moment);
-        let filtered = |m: &Mat<f64>, [from, to]: [usize; 2], lobe: usize| {
-            let mut straight = Mat::zeros(m.nrows(), m.ncols());
-            for (state, share) in media[from].straight(&media[to], &coherent[from], lobe) {
-                straight[(state, state)] = share.min(m[(state, state)]);
-            }
-            &straight + &filters[to] * (m - &straight)
-        };
-        Self {
-            reflection: [0, 1].map(|side| filtered(&self.reflection[side], [side, side], 0)),
-            transmission: [0, 1].map(|side| filtered(&self.transmission[side], [side, 1 - side], 1)),
-        }
     }
 
     /// This number of such elements, one behind another.
