@@ -206,8 +206,7 @@ fn lamps(findings: &mut Findings) {
             }
         }
     }
-    let because =
-        "half of what the brightener does through the ink under F11, the least of all, is ten times as much";
+    let because = "a tenth of what the brightener does through the ink under F11, the least of all";
     findings.promise(
         "ΔE*ab under F2, F11, F12, F3_8, LED_V1, A, D50 and D65 in steps of 5 nm",
         errors[0],
