@@ -125,15 +125,18 @@ impl WeightedSum {
         }
         let largest = unknown.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         parts.extend(grid.windows(2).map(|pair| largest * self.bend([pair[0], pair[1]])));
-        if let Some(guide) = guide {
-            let within = Self::new(&guide.fine_nm, &self.table).within;
-            let fine = shared(&guide.fine_nm, &within, Between::Cubics);
-            let known = fine.iter().zip(&guide.fine).map(|(weight, value)| weight * value).sum::<f64>();
-            let coarse = shared(grid, &self.within, Between::Cubics);
-            let missed = coarse.iter().zip(&guide.on_grid).map(|(weight, value)| weight * value).sum::<f64>();
-            parts.push(known - missed);
-        }
+        parts.extend(guide.map(|guide| self.missed(guide)));
         parts
+    }
+
+    /// What the grid misses of a spectrum that is known between its wavelengths.
+    pub fn missed(&self, guide: &Guide) -> f64 {
+        let within = Self::new(&guide.fine_nm, &self.table).within;
+        let fine = shared(&guide.fine_nm, &within, Between::Cubics);
+        let known = fine.iter().zip(&guide.fine).map(|(weight, value)| weight * value).sum::<f64>();
+        let coarse = shared(&self.wavelengths_nm, &self.within, Between::Cubics);
+        let on_grid = coarse.iter().zip(&guide.on_grid).map(|(weight, value)| weight * value).sum::<f64>();
+        known - on_grid
     }
 
     /// Standard errors of the mean due to light beyond either end of the grid, for a spectrum

@@ -85,20 +85,29 @@ impl<'a> AskedNumber<'a> {
     /// Standard error of the number due to what spectra that are known at the wavelengths alone may
     /// be between and beyond them; `guides` are films of theirs, where there are any.
     pub fn wavelength_error(&self, spectra: &[&[f64]], guides: &[Option<&Guide>], is_sampled: bool) -> f64 {
+        self.moved_by(spectra, |sum, k| {
+            let guide = guides.get(k).copied().flatten();
+            let between = if is_sampled { sum.spacing(spectra[k], guide) } else { Vec::new() };
+            between.into_iter().chain(sum.beyond(spectra[k])).collect()
+        })
+    }
+
+    /// What the wavelengths miss of the number by films of the spectra, one of each.
+    pub fn missed(&self, spectra: &[&[f64]], films: &[Guide]) -> f64 {
+        self.moved_by(spectra, |sum, k| vec![sum.missed(&films[k])])
+    }
+
+    /// Standard error of the number due to independent changes of the sums of each spectrum.
+    fn moved_by(&self, spectra: &[&[f64]], changes: impl Fn(&WeightedSum, usize) -> Vec<f64>) -> f64 {
         let here = self.sums_of(spectra);
         let at = self.number(&here);
         let mut square: f64 = 0.0;
-        for (k, spectrum) in spectra.iter().enumerate() {
+        for k in 0..spectra.len() {
             // the sums of one spectrum move together
             let of_spectrum = if k == 0 { 0..self.sums.len() } else { self.sums.len()..here.len() };
-            let parts_of = |sum: &WeightedSum| {
-                let guide = guides.get(k).copied().flatten();
-                let between = if is_sampled { sum.spacing(spectrum, guide) } else { Vec::new() };
-                between.into_iter().chain(sum.beyond(spectrum)).collect::<Vec<f64>>()
-            };
             let parts: Vec<Vec<f64>> = of_spectrum
                 .clone()
-                .map(|place| parts_of(&self.sums[if k == 0 { place } else { 0 }]))
+                .map(|place| changes(&self.sums[if k == 0 { place } else { 0 }], k))
                 .collect();
             for part in 0..parts.first().map_or(0, Vec::len) {
                 let mut moved = here.clone();

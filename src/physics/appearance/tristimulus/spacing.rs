@@ -73,12 +73,34 @@ impl Colorimeter {
         self.spacing_xyz(values, guide).iter().fold(0.0, |sum, by| sum.hypot(by[1]))
     }
 
+    /// Shift of Lab by what the grid misses of a spectrum that is known between its wavelengths.
+    pub fn missed(&self, xyz: [f64; 3], guide: &Guide) -> [f64; 3] {
+        let by = self.missed_xyz(guide);
+        self.lab_moved(xyz, std::array::from_fn(|c| by[c].max(-xyz[c])))
+    }
+
+    /// Shift of Y by the same.
+    pub fn missed_luminance(&self, guide: &Guide) -> f64 {
+        self.missed_xyz(guide)[1]
+    }
+
+    fn missed_xyz(&self, guide: &Guide) -> [f64; 3] {
+        let (step_nm, light) = self.scaled_light();
+        let known = self.of_guide(guide, &light, step_nm);
+        difference(known, of_rule(&self.wavelengths_nm, &guide.on_grid, &light, Interpolation::Cubic))
+    }
+
+    /// The step of the sum, nm, and the weights of its places.
+    fn scaled_light(&self) -> (f64, Vec<(f64, [f64; 3])>) {
+        let (step_nm, light) = integrand(&self.wavelengths_nm, &self.viewing, &self.viewing);
+        let scale = self.scale_per_nm * step_nm;
+        (step_nm, light.into_iter().map(|(nm, row)| (nm, row.map(|w| scale * w))).collect())
+    }
+
     /// Independent errors of X, Y, Z.
     fn spacing_xyz(&self, values: &[f64], guide: Option<&Guide>) -> Vec<[f64; 3]> {
         let grid = &self.wavelengths_nm;
-        let (step_nm, light) = integrand(grid, &self.viewing, &self.viewing);
-        let scale = self.scale_per_nm * step_nm;
-        let light: Vec<_> = light.into_iter().map(|(nm, row)| (nm, row.map(|w| scale * w))).collect();
+        let (_, light) = self.scaled_light();
         let unknown: Vec<f64> = match guide {
             Some(guide) => values.iter().zip(&guide.on_grid).map(|(value, known)| value - known).collect(),
             None => values.to_vec(),
@@ -105,10 +127,7 @@ impl Colorimeter {
         }
         let largest = unknown.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         parts.extend(grid.windows(2).map(|pair| scaled(largest, bend([pair[0], pair[1]], &light))));
-        if let Some(guide) = guide {
-            let known = self.of_guide(guide, &light, step_nm);
-            parts.push(difference(known, of_rule(grid, &guide.on_grid, &light, Interpolation::Cubic)));
-        }
+        parts.extend(guide.map(|guide| self.missed_xyz(guide)));
         parts
     }
 }

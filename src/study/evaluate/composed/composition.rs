@@ -12,6 +12,7 @@
 mod dots;
 mod paper;
 
+use super::between::{FilmLayer, FilmStack};
 use super::errors::judged;
 use super::gate::{LayerInColour, rows};
 use super::layer::ComposedLayer;
@@ -162,7 +163,17 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
         let paper = task.paper;
-        let in_colour = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
+        let values: Vec<LayerNumbers<f64>> =
+            layer.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        let fringes = task.films().fringes(&library.wavelengths_nm, &values);
+        let in_colour = LayerInColour {
+            eye,
+            all: &all[seen.clone()],
+            kept: &kept[seen.clone()],
+            paper,
+            fluoresces,
+            fringes: fringes.as_ref().map(|fringes| (fringes, seen)),
+        };
         let (found, without) = in_colour.colours(numbers);
         colours = Some(found);
         withheld.extend(without);
@@ -215,6 +226,21 @@ impl<'a> CompositionTask<'a> {
             areas,
         };
         Ok((task, thickness_um))
+    }
+
+    /// Even films in place of the layers.
+    fn films(&self) -> FilmStack {
+        let film = |&(number, count): &(usize, f64)| {
+            let plate = &self.library.plates[number];
+            FilmLayer { indices: plate.within.clone(), thickness_um: count * plate.thickness_um }
+        };
+        let index_out = if let Coupling::OpticalContact { index } = self.coupling { index } else { 1.0 };
+        FilmStack {
+            layers: self.layers.iter().map(film).collect(),
+            index_out,
+            wave: self.library.wave,
+            excludes_mirrored: false,
+        }
     }
 
     /// The portions of every plate that is used, once.

@@ -1,12 +1,14 @@
 //! Numbers of a composed layer that cannot be are withheld, with the reason.
 
+use super::between::Fringes;
 use crate::appearance::colour::Colour;
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, Guide};
 use crate::evaluate::gate::{Brightest, impossible, impossible_colour, withhold};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, independent};
 use crate::evaluate::published::{ErrorParts, PublishedRow, Quantity, Withheld};
-use crate::evaluate::quantities::{ColourNumbers, Lab};
+use crate::evaluate::quantities::{ColourNumbers, Lab, LayerNumbers};
 use crate::numerics::estimate::Estimate;
+use std::ops::Range;
 
 /// R and T of one kind of light, which add up to 1 at most.
 struct LightTotals {
@@ -63,8 +65,17 @@ pub fn rows(rows: &mut [ComposedRow], fluoresces: bool) -> Vec<Withheld> {
     withheld
 }
 
-/// A spectrum of a layer; `None` where it is withheld.
-type LayerSpectrum = fn(&ComposedRow) -> Option<ErrorParts>;
+/// A spectrum of a layer.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Of its rows; `None` where it is withheld.
+    rows: fn(&ComposedRow) -> Option<ErrorParts>,
+    /// Of its numbers.
+    of: fn(&LayerNumbers<f64>) -> f64,
+}
+
+const OVER_BLACK: Seen = Seen { rows: |row| row.layer.over_black, of: |layer| layer.over_black };
+const OVER_WHITE: Seen = Seen { rows: |row| row.layer.over_white, of: |layer| layer.over_white };
 
 /// A colour that can be, with the bars of its L*, a*, b*.
 struct JudgedColour {
@@ -93,6 +104,9 @@ pub struct LayerInColour<'a> {
     pub paper: [f64; 3],
     /// Whether the paper fluoresces, so that prints may be lighter than white.
     pub fluoresces: bool,
+    /// What fringes change at the wavelengths of the layer and between them, and the places of the
+    /// rows among these wavelengths.
+    pub fringes: Option<(&'a Fringes, Range<usize>)>,
 }
 
 impl LayerInColour<'_> {
@@ -113,12 +127,13 @@ impl LayerInColour<'_> {
         let [natural_beyond, lit_beyond] =
             numbers.beyond_factors.map(|xyz| SeenPaper { open: self.paper, beyond: xyz.map(|c| c.value) });
         let no_paper = SeenPaper::default();
-        let natural_light =
-            self.judged(|row| row.layer.natural_light, numbers.natural_light, (sky, natural_beyond));
+        let natural_light = Seen { rows: |row| row.layer.natural_light, of: |layer| layer.natural_light };
+        let natural_light = self.judged(natural_light, numbers.natural_light, (sky, natural_beyond));
         let natural_light = keep(natural_light, "under natural light");
-        let lit_at_45 = self.judged(|row| row.layer.lit_at_45, numbers.lit_at_45, (one_side, lit_beyond));
+        let lit_at_45 = Seen { rows: |row| row.layer.lit_at_45, of: |layer| layer.lit_at_45 };
+        let lit_at_45 = self.judged(lit_at_45, numbers.lit_at_45, (one_side, lit_beyond));
         let lit_at_45 = keep(lit_at_45, "at 45°:0°");
-        let over_black = self.judged(|row| row.layer.over_black, numbers.over_black, (one_side, no_paper));
+        let over_black = self.judged(OVER_BLACK, numbers.over_black, (one_side, no_paper));
         let over_black = keep(over_black, "at 45°:0° over black");
         let contrast_ratio = match self.contrast_ratio(numbers.contrast_ratio) {
             Ok(ratio) => Some(ratio),
@@ -150,14 +165,21 @@ impl LayerInColour<'_> {
     /// the reason if it cannot be.
     fn judged(
         &self,
-        spectrum: LayerSpectrum,
+        spectrum: Seen,
         lab: Lab<ErrorParts>,
         (brightest, paper): (Brightest, SeenPaper),
     ) -> Result<JudgedColour, String> {
         let values = self.values(spectrum);
         let factors = self.eye.xyz(&values).map_err(|error| error.to_string())?;
         let colour = self.eye.colour_of(std::array::from_fn(|c| factors[c] + paper.beyond[c]));
-        let mut shifts = self.eye.spacing(&values, colour.xyz, None);
+        let mut shifts = match self.guides(spectrum) {
+            Some([film, quarter]) => {
+                let mut shifts = self.eye.spacing(&values, colour.xyz, Some(&film));
+                shifts.push(self.eye.missed(colour.xyz, &quarter));
+                shifts
+            }
+            None => self.eye.spacing(&values, colour.xyz, None),
+        };
         shifts.extend(self.eye.beyond(&values, colour.xyz));
         shifts.push(paper.open);
         let lab: Lab<ErrorParts> = std::array::from_fn(|c| {
@@ -175,37 +197,47 @@ impl LayerInColour<'_> {
 
     /// The contrast ratio with what the wavelengths leave open; the reason if it cannot be.
     fn contrast_ratio(&self, ratio: ErrorParts) -> Result<ErrorParts, String> {
-        let over_black: LayerSpectrum = |row| row.layer.over_black;
-        let over_white: LayerSpectrum = |row| row.layer.over_white;
-        let black = self.values(over_black);
-        let white = self.values(over_white);
-        let error = |values: &[f64]| {
-            self.eye.spacing_luminance(values, None).hypot(self.eye.beyond_luminance(values))
+        let white = self.values(OVER_WHITE);
+        let error = |spectrum: Seen| {
+            let values = self.values(spectrum);
+            let spacing = match self.guides(spectrum) {
+                Some([film, quarter]) => {
+                    let spacing = self.eye.spacing_luminance(&values, Some(&film));
+                    spacing.hypot(self.eye.missed_luminance(&quarter))
+                }
+                None => self.eye.spacing_luminance(&values, None),
+            };
+            spacing.hypot(self.eye.beyond_luminance(&values))
         };
         let bright = self.eye.xyz(&white).map_or(f64::NAN, |xyz| xyz[1]);
-        let wavelengths = error(&black).hypot(ratio.value * error(&white)) / bright;
+        let wavelengths = error(OVER_BLACK).hypot(ratio.value * error(OVER_WHITE)) / bright;
         let ratio = ErrorParts { wavelengths, ..ratio }.summed();
-        if self.lacks(over_black) || self.lacks(over_white) {
+        if self.lacks(OVER_BLACK) || self.lacks(OVER_WHITE) {
             return Err("its spectra have numbers that are withheld".to_owned());
         }
         impossible(Quantity::Share, ratio.estimate()).map_or(Ok(ratio), Err)
     }
 
+    /// What fringes change of a spectrum at the wavelengths and between them.
+    fn guides(&self, spectrum: Seen) -> Option<[Guide; 2]> {
+        let (fringes, seen) = self.fringes.as_ref()?;
+        Some(fringes.guides(seen.clone(), spectrum.of))
+    }
+
     /// The values of a spectrum before the gate.
-    fn values(&self, spectrum: LayerSpectrum) -> Vec<f64> {
-        self.all.iter().map(|row| spectrum(row).map_or(f64::NAN, |number| number.value)).collect()
+    fn values(&self, spectrum: Seen) -> Vec<f64> {
+        self.all.iter().map(|row| (spectrum.rows)(row).map_or(f64::NAN, |number| number.value)).collect()
     }
 
     /// Whether the gate has left out a number of a spectrum.
-    fn lacks(&self, spectrum: LayerSpectrum) -> bool {
-        self.kept.iter().any(|row| spectrum(row).is_none())
+    fn lacks(&self, spectrum: Seen) -> bool {
+        self.kept.iter().any(|row| (spectrum.rows)(row).is_none())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::quantities::LayerNumbers;
 
     fn number(value: f64, error: f64) -> Option<ErrorParts> {
         Some(ErrorParts { value, chance: error, ..ErrorParts::default() }.summed())
@@ -248,14 +280,26 @@ mod tests {
             let rows: Vec<_> = nm.iter().map(|nm| rising(*nm)).collect();
             let mut kept = rows.clone();
             let numbers = ColourNumbers::unknown().map(|_| number(0.5, 0.1).unwrap());
-            let (colours, withheld) =
-                LayerInColour { eye: &eye, all: &rows, kept: &kept, paper: [0.0; 3], fluoresces: false }
-                    .colours(&numbers);
+            let (colours, withheld) = LayerInColour {
+                eye: &eye,
+                all: &rows,
+                kept: &kept,
+                paper: [0.0; 3],
+                fluoresces: false,
+                fringes: None,
+            }
+            .colours(&numbers);
             assert!(withheld.is_empty(), "{withheld:?}");
             kept[1].layer.natural_light = None;
-            let (less, withheld) =
-                LayerInColour { eye: &eye, all: &rows, kept: &kept, paper: [0.0; 3], fluoresces: false }
-                    .colours(&numbers);
+            let (less, withheld) = LayerInColour {
+                eye: &eye,
+                all: &rows,
+                kept: &kept,
+                paper: [0.0; 3],
+                fluoresces: false,
+                fringes: None,
+            }
+            .colours(&numbers);
             assert!(less.natural_light.is_none() && less.hex.is_none() && less.lit_at_45.is_some());
             assert_eq!(withheld.len(), 1);
             assert!(colours.contrast_ratio.unwrap().wavelengths >= 0.0);

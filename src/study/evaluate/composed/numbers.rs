@@ -3,6 +3,7 @@
 
 mod stack;
 
+use super::between::{FilmLayer, FilmStack, Fringes};
 use super::distribution::distribution;
 use super::layer::ComposedLayer;
 use super::level::{Change, Level, Slabs};
@@ -12,7 +13,7 @@ use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::paper_series::AreaOptics;
-use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, visible};
+use crate::appearance::tristimulus::{Colorimeter, EmissionWeights, Guide, visible};
 use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::in_light_of;
 use crate::evaluate::numbers::AskedNumber;
@@ -203,6 +204,34 @@ impl<'a> LayerTask<'a> {
     fn weighted_number(&self, asked: &AskedNumber, rows: &[LayerNumbers<f64>]) -> f64 {
         let spectra = self.weighted_spectra(asked, rows);
         asked.of(&spectra.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    /// Even films in place of the layer or stack, of which one layer may have several thicknesses.
+    pub(super) fn films(&self, thickness_um: f64) -> FilmStack {
+        let Study { wave, layer, output, .. } = self.study;
+        let layers = match &self.stack {
+            Some(stack) => stack.films(thickness_um),
+            None => {
+                let index = |nm: &f64| self.study.embedding_index(1e-3 * nm);
+                let indices = self.study.wavelengths_nm.iter().map(index).collect();
+                vec![FilmLayer { indices, thickness_um }]
+            }
+        };
+        FilmStack {
+            layers,
+            index_out: layer.index_out,
+            wave: *wave,
+            excludes_mirrored: output.mirrored_sky == MirroredSky::Excluded,
+        }
+    }
+
+    /// What fringes change of the spectra that a weighted number takes, for films a quarter of a
+    /// fringe apart.
+    pub(super) fn weighted_films(&self, asked: &AskedNumber, fringes: &Fringes) -> [Vec<Guide>; 2] {
+        let is_excluded = self.study.output.mirrored_sky == MirroredSky::Excluded;
+        let all = 0..self.study.wavelengths_nm.len();
+        let guides = |light: SeenLight| fringes.guides(all.clone(), |row| row.seen(light, is_excluded));
+        asked.wanted.spectra().map(guides).map(|[film, quarter]| (film, quarter)).unzip().into()
     }
 
     /// The spectra that a weighted number takes.

@@ -4,6 +4,7 @@
 //! A layer that is solved as a whole is one element, and among slabs of half the thickness it is
 //! its two halves, so that the comparison carries what a joint within a strong layer costs.
 
+use super::between::FilmLayer;
 use super::level::{Change, Level, MeanSlab};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
@@ -79,6 +80,20 @@ impl<'a> StackTask<'a> {
         self.joined(KeptLayers::All, &self.layers(level, thickness_um, change)?)
     }
 
+    /// Every layer as an even film; the varied one has this thickness.
+    pub(super) fn films(&self, thickness_um: f64) -> Vec<FilmLayer> {
+        let film = |layer: usize| FilmLayer {
+            indices: self.own.iter().map(|own| own[layer]).collect(),
+            thickness_um: self.thickness_of(layer, thickness_um),
+        };
+        (0..self.study.stack.len()).map(film).collect()
+    }
+
+    /// Thickness of a layer, µm, where the varied one has this thickness.
+    fn thickness_of(&self, layer: usize, varied_um: f64) -> f64 {
+        if self.composed.varied == Some(layer) { varied_um } else { self.study.stack[layer].thickness_um }
+    }
+
     /// The elements of every layer, \[wavelength\]\[layer\].
     ///
     /// # Errors
@@ -94,8 +109,7 @@ impl<'a> StackTask<'a> {
             plates
                 .map(|(layer, plates)| {
                     let around = Around { layer, media: &self.media[wavelength], wavelength };
-                    let own_um = self.study.stack[layer].thickness_um;
-                    let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
+                    let um = self.thickness_of(layer, thickness_um);
                     match plates {
                         LayerPlates::Clear => Ok(self.clear(&around, um)),
                         LayerPlates::Whole => self.solved(&around, level, 1.0, change),

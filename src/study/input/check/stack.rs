@@ -35,8 +35,8 @@ pub(super) fn examine(
     let Some((first, others)) = parts.split_first() else { return nothing(written, folder, name) };
     let common = written.stack.clone().unwrap_or_default();
     let composed = common.composed.as_ref();
-    // a plate of a library may be alone
-    if others.is_empty() && composed.is_none_or(|table| table.joint_index.is_none()) {
+    // one that is composed is a list of one plate
+    if others.is_empty() && composed.is_none() {
         let study = first.study.clone();
         if common.without_layers {
             wave_faults.0.push(no_substacks("a stack of one layer", "2 layers or more"));

@@ -1,6 +1,8 @@
 //! Rows of the published tables, and what of them is withheld.
 
 use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::tristimulus::Guide;
+use crate::evaluate::composed::between::Fringes;
 use crate::evaluate::composed::distribution::projected_sr;
 use crate::evaluate::composed::gate::{self, LayerInColour};
 use crate::evaluate::composed::level::Slabs;
@@ -49,30 +51,50 @@ impl ThicknessRows {
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
         let fluoresces = task.daylight.is_some();
+        let values: Vec<LayerNumbers<f64>> =
+            numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        let fringes = task.films(thickness_um).fringes(&task.study.wavelengths_nm, &values);
         self.withheld.extend(gate::rows(&mut kept, fluoresces));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
             let Study { paper, wavelengths_nm, .. } = task.study;
             let paper = paper_between(paper, wavelengths_nm, task.daylight.as_ref(), eye.viewing());
-            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen], paper, fluoresces };
+            let layer = LayerInColour {
+                eye,
+                all: &all[seen.clone()],
+                kept: &kept[seen.clone()],
+                paper,
+                fluoresces,
+                fringes: fringes.as_ref().map(|fringes| (fringes, seen)),
+            };
             let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.beyond_factors.push(numbers.beyond_factors[1].map(|xyz| xyz.value));
             self.withheld.extend(withheld);
         }
-        self.add_weighted(task, thickness_um, numbers);
+        self.add_weighted(task, thickness_um, numbers, fringes.as_ref());
         self.rows.extend(kept);
     }
 
     /// Adds the weighted numbers of a layer of one thickness.
-    fn add_weighted(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
+    fn add_weighted(
+        &mut self,
+        task: &LayerTask,
+        thickness_um: f64,
+        numbers: &ThicknessNumbers<ErrorParts>,
+        fringes: Option<&Fringes>,
+    ) {
         let values: Vec<LayerNumbers<f64>> =
             numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
         for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
             let spectra = task.weighted_spectra(asked, &values);
             let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
             let ErrorParts { value, chance, model, grid, directions, inputs, .. } = *number;
-            let wavelengths = asked.wavelength_error(&spectra, &[], true);
+            let films = fringes.map(|fringes| task.weighted_films(asked, fringes)).unwrap_or_default();
+            let [film, quarter]: [Vec<Guide>; 2] = films;
+            let known: Vec<Option<&Guide>> = film.iter().map(Some).collect();
+            let missed = if quarter.is_empty() { 0.0 } else { asked.missed(&spectra, &quarter) };
+            let wavelengths = asked.wavelength_error(&spectra, &known, true).hypot(missed);
             let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs };
             let error = parts.together();
             let impossible = asked.impossible(value, Some(error));
