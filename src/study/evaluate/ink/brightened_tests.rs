@@ -77,16 +77,16 @@ fn brightened_paper_is_right_under_lamps_with_lines_and_smooth_lights() {
             let length = |by: [f64; 3]| by.iter().map(|x| x * x).sum::<f64>().sqrt();
             let off = length(std::array::from_fn(|i| lab[i] - truth.lab[i]));
             let bar = ink.spacing(&sight, &factor).into_iter().map(length).fold(0.0, f64::hypot);
-            // promise: at 5 nm, of which no bar tells, a twentieth of what eyes tell apart; what the
-            // bar of wider steps compares with is known to that
+            // promise: at 5 nm, of which no bar tells, a twentieth of what eyes tell apart; what
+            // the bar of wider steps compares with is known to that
             let allowed = FIVE_NM + if step_nm == 5 { 0.0 } else { bar };
             assert!(off < allowed, "{name}, {step_nm} nm: {lab:?} {:?}, bar {bar}", truth.lab);
         }
     }
 }
 
-/// What is said of light that is emitted between wavelengths 20 nm apart is what it does. *Planted*:
-/// nothing.
+/// What is said of light that is emitted between wavelengths 20 nm apart is what it does.
+/// *Planted*: nothing.
 #[test]
 fn emission_between_wavelengths_is_known() {
     for name in ["F2", "F11", "F12", "F3_8", "LED_V1"] {
