@@ -170,7 +170,7 @@ impl Viewing {
         !SMOOTH.contains(&self.illuminant.as_str())
     }
 
-    /// The same observer and summation in light of one power at all wavelengths.
+    /// This observer and summation in light of one power at all wavelengths.
     pub(super) fn in_even_light(&self) -> Self {
         Self { illuminant: EVEN.to_owned(), ..self.clone() }
     }

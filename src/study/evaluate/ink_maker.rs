@@ -242,7 +242,7 @@ impl Question<'_> {
         Ok(distance(&Colour { lab, lab_covariance, ..here }, there.lab))
     }
 
-    /// Lab of the prediction at some wavelengths of the spectra without a gap, where the paper emits
+    /// Lab of the prediction at wavelengths of the spectra without a gap, where the paper emits
     /// light under a lamp with lines, which is no part of factors.
     fn lab_of_emission(&self, meter: &Colorimeter, common: &[usize]) -> Result<Option<[f64; 3]>, InkError> {
         let (Some(&first), Some(&last)) = (common.first(), common.last()) else { return Ok(None) };

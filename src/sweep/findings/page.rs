@@ -24,10 +24,11 @@ pub(super) fn page(sweep: &Sweep, reported: &Reported, sheets: &[DrawnSheet]) ->
     let outcomes = &reported.outcomes;
     let complete = reported.complete();
     let all = sweep.variants.len();
+    let axes = outline.axes.len();
     let picture = |(sheet, png): &DrawnSheet| Picture { data: png_data(png), caption: sheet.title.clone() };
     let data = context! {
         title => &outline.title,
-        summary => format!("{all} variants over {} axes.", outline.axes.len()),
+        summary => format!("{all} variants over {axes} {}.", if axes == 1 { "axis" } else { "axes" }),
         partial => (complete < all).then(|| partial(reported, complete, all)),
         scalar_error => scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets => Serde(sheets.iter().map(picture).collect::<Vec<_>>()),

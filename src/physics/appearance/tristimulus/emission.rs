@@ -1,5 +1,5 @@
-//! Colours of light that a surface emits: its spectrum is smooth whatever the lines of the lamp that
-//! excites it, and so is summed with the weights of the observer alone.
+//! Colours of light that a surface emits: its spectrum is smooth, whatever the lines of the lamp
+//! that excites it, and so is summed with the weights of the observer alone.
 
 use super::{Colorimeter, RawWeights, weighted_sum};
 

@@ -83,7 +83,7 @@ impl PaperBetween {
         weights.map_or([0.0; 3], |weights| weights.xyz(&closely.emitted_parts()))
     }
 
-    /// The same where what the paper emits is a part of factors like others.
+    /// [`PaperBetween::beyond`] where what the paper emits is a part of factors like others.
     fn beyond_factors(&self, lit: &LitAreas) -> [f64; 3] {
         let LitAreas { mix, kinds, emitted, wavelengths_nm, .. } = *lit;
         let of_wavelengths = EmittedLight::of(emitted, wavelengths_nm);

@@ -71,9 +71,9 @@ impl Brightened {
         Some(self.lamp.as_ref()?.mean_powers(wavelengths_nm))
     }
 
-    /// How an eye under the same lamp with lines sums such shares at those of these wavelengths that
-    /// it sees; `None` where they are parts of factors like others: of smooth light, and where the
-    /// paper is excited by other light than the eye's.
+    /// How an eye under the same lamp with lines sums such shares at those of these wavelengths
+    /// that it sees; `None` where they are parts of factors like others: of smooth light, and where
+    /// the paper is excited by other light than the eye's.
     pub fn emission(&self, eye: &Colorimeter, wavelengths_nm: &[f64]) -> Option<EmissionWeights> {
         let lamp = self.lamp.as_ref()?;
         let powers = self.lamp_powers(wavelengths_nm)?;

@@ -170,8 +170,8 @@ pub(super) fn lights(wavelengths_nm: &[f64]) -> Vec<LibraryLight> {
 mod tests {
     use super::*;
 
-    /// The weights of emitted light in a file give, with its powers, what a sum over every nanometre
-    /// gives; smooth lights need none. *Planted*: powers at the wavelengths.
+    /// The weights of emitted light in a file give, with its powers, what a sum over every
+    /// nanometre gives; smooth lights need none. *Planted*: powers at the wavelengths.
     #[test]
     fn emitted_light_weighs_as_in_a_sum_over_every_nanometre() {
         let nm: Vec<f64> = (0..36).map(|i| 380.0 + 10.0 * f64::from(i)).collect();
