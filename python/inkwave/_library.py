@@ -511,6 +511,10 @@ class Library:
             elastic = self._albedo(paper.get("albedo", 0.9), grid, where) * (1 - absorbed(grid))
             albedo = albedo * (1 - absorbed(self.wavelengths_nm))
             light = _Light(elastic, self._power(composition, where), _matrix(kernel, grid), self._seen(composition, where))
+            if paper["fluorescence"].get("yield", 0.0) > 0 and absorbed(grid).any() and not light.matrix.any():
+                raise InputError(f"{where}paper.fluorescence.emission: found a yield of {paper['fluorescence']['yield']}, and nothing emitted "
+                                 f"from {self.wavelengths_nm[0]:g} to {self.wavelengths_nm[-1]:g} nm; allowed is emission at longer waves than "
+                                 "the excitation, within the library's: correct the rows; yield = 0 only absorbs")
             self._judge_quanta(kernel, elastic, where)
         return _Job(layers, albedo, bool(contact), _printed(composition, where), light, _Change())
 

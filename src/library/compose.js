@@ -997,6 +997,7 @@ const inkwave = (() => {
         while (nm.at(-1) + STEP_NM <= LONGEST_NM) nm.push(nm.at(-1) + STEP_NM);
         const all = matrixOf(kernel, nm), elastic = this.summed.map(at => albedoAt(given, at) * (1 - absorbed(at)));
         const most = Math.max(...elastic.map((x, j) => x + sum(nm.slice(j + 1).map((to, i) => all[j + 1 + i][j] * to / nm[j]))));
+        if (paper.fluorescence.yield > 0 && first !== null && all.slice(0, this.summed.length).every(row => row.slice(0, this.summed.length).every(factor => factor === 0))) throw new Refusal(`paper.fluorescence.emission: found a yield of ${paper.fluorescence.yield}, and nothing emitted from ${this.nm[0]} to ${this.nm.at(-1)} nm; allowed is emission at longer waves than the excitation, within the library's: correct the rows; yield = 0 only absorbs`);
         if (most > 1 + 1e-9) throw new Refusal(`paper.fluorescence: found ${most.toFixed(3)} quanta reflected and emitted for each that comes in; allowed at most 1: lower yield or excitation, or the albedo at the wavelengths that excite`);
         this.matrices.set(key, { matrix: all.slice(0, this.summed.length), albedo: elastic });
       }

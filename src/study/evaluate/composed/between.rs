@@ -186,3 +186,69 @@ fn place(wavelengths_nm: &[f64], nm: f64) -> Place {
 fn between(values: &[f64], (k, way): Place) -> f64 {
     values[k] + way * (values[(k + 1).min(values.len() - 1)] - values[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::tristimulus::Colorimeter;
+
+    const INDEX: f64 = 1.48;
+    const UM: f64 = 5.0;
+
+    /// R of a film in air (Airy).
+    fn airy(nm: f64) -> f64 {
+        let r = (1.0 - INDEX) / (1.0 + INDEX);
+        let turn = Complex64::from_polar(1.0, 2.0 * TAU * INDEX * UM / (1e-3 * nm));
+        (r * (1.0 - turn) / (1.0 - r * r * turn)).norm_sqr()
+    }
+
+    /// Of a clear film whose fringes are as far apart as the wavelengths, the films tell what the
+    /// sum over these misses: .045 of Y. *Planted*: films without light that comes back; the films
+    /// a whole fringe apart.
+    #[test]
+    fn what_wavelengths_miss_of_fringes_is_told() {
+        let nm: Vec<f64> = (0..16).map(|k| 400.0 + 20.0 * f64::from(k)).collect();
+        let rows: Vec<LayerNumbers<f64>> = nm
+            .iter()
+            .map(|nm| {
+                let reflectance_normal = airy(*nm);
+                let passed = 1.0 - reflectance_normal;
+                LayerNumbers {
+                    reflectance_normal,
+                    transmittance_normal: passed,
+                    coherent_transmittance: passed,
+                    ..LayerNumbers::default()
+                }
+            })
+            .collect();
+        let film = |index: f64| FilmStack {
+            layers: vec![FilmLayer { indices: vec![index; nm.len()], thickness_um: UM }],
+            index_out: 1.0,
+            wave: Wave::Scalar,
+            excludes_mirrored: false,
+        };
+        let eye = Colorimeter::new(&nm).unwrap();
+        let fine: Vec<f64> = (0..301).map(|k| 400.0 + f64::from(k)).collect();
+        let of = |nm: &[f64]| {
+            let values: Vec<f64> = nm.iter().map(|nm| airy(*nm)).collect();
+            Colorimeter::new(nm).unwrap().xyz(&values).unwrap()[1]
+        };
+        let off = (of(&nm) - of(&fine)).abs();
+        assert!(off > 3.0, "{off}");
+        // the own index, and one whose fringes have another phase
+        for index in [INDEX, INDEX + 0.02] {
+            let fringes = film(index).fringes(&nm, &rows).unwrap();
+            let guides = fringes.guides(0..nm.len(), |row| row.reflectance_normal);
+            let told = guides.each_ref().map(|guide| eye.missed_luminance(guide));
+            let told = told[0].hypot(told[1]);
+            // light fades a little where T is low by a fringe; another index, another distance
+            assert!((0.7 * off..2.0 * off).contains(&told), "{index}: {told} {off}");
+        }
+        // light that does not come back has no fringes
+        let faint: Vec<LayerNumbers<f64>> =
+            rows.iter().map(|row| LayerNumbers { coherent_transmittance: 1e-6, ..*row }).collect();
+        let fringes = film(INDEX).fringes(&nm, &faint).unwrap();
+        let [guide, _] = fringes.guides(0..nm.len(), |row| row.reflectance_normal);
+        assert!(eye.missed_luminance(&guide).abs() < 1e-3);
+    }
+}

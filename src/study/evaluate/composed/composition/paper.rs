@@ -126,6 +126,16 @@ impl CompositionPaper {
                 first.max(SHORTEST_NM)
             ));
         }
+        if let Fluorescence::Bands { quantum_yield, .. } = &fluorescence
+            && *quantum_yield > 0.0
+            && fluorescence.excited_nm().is_some()
+            && fluorescence.matrix(&summed_nm(from_nm, to_nm)).iter().flatten().all(|factor| *factor == 0.0)
+        {
+            return Err(format!(
+                "paper.fluorescence.emission: found a yield of {quantum_yield}, and nothing emitted from {from_nm} to {to_nm} nm; \
+                 allowed is emission at longer waves than the excitation, within the library's: correct the rows; yield = 0 only absorbs"
+            ));
+        }
         if matches!(fluorescence, Fluorescence::Bands { .. }) {
             paper.albedo = fluorescence.left_of(&paper.albedo, wavelengths_nm);
         }

@@ -45,7 +45,8 @@ pub struct StackTable {
     pub composed: Option<ComposedTable>,
     /// Whether a stack that is solved as a whole is also solved without each of its layers, and
     /// each layer alone: their colours, contrast ratios and densities. It costs the solves of these
-    /// stacks; a composed stack tells this in any case.
+    /// stacks; a composed stack of several layers tells this in any case, but for one with
+    /// `joint_index`, whose plates are for libraries.
     pub without_layers: bool,
 }
 
