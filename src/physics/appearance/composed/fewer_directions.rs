@@ -42,9 +42,9 @@ impl Hemisphere {
 }
 
 impl Plate {
-    /// The same with scattered light that lacks the highest moment which the directions of the
-    /// media resolve. What goes straight on or is mirrored, `coherent`, is taken as it is. Every
-    /// state sends out as much light as before.
+    /// A plate whose scattered light lacks the highest moment that the directions of its media
+    /// resolve. What goes straight on or is mirrored, `coherent`, is taken as it is. Every state
+    /// sends out as much light as before.
     pub fn with_fewer_directions(&self, media: &[Hemisphere; 2], coherent: &Coherent) -> Self {
         let filters = media.each_ref().map(Hemisphere::without_highest_moment);
         let filtered = |m: &Mat<f64>, [from, to]: [usize; 2], lobe: usize| {

@@ -17,7 +17,7 @@ use std::ops::Range;
 /// 5 nm apart.
 const MOST_PLACES: f64 = 1000.0;
 const STEP_NM: f64 = 1.0;
-/// Least share of the coherent light that is told from none.
+/// Least share of the coherent light that counts.
 const FAINT: f64 = 1e-30;
 /// Angle of the light of instruments, degrees.
 const LIT_DEG: f64 = 45.0;
@@ -55,7 +55,7 @@ pub(super) struct Fringes {
 }
 
 /// A place between two wavelengths: the first of them and the way to the second, 0 to 1.
-type Place = (usize, f64);
+type WayBetween = (usize, f64);
 
 impl FilmStack {
     /// Of a layer with these numbers at these wavelengths; `None` of a single wavelength and of
@@ -99,7 +99,7 @@ impl FilmStack {
     }
 
     /// R of the films at 0° and 45°, of which a passage leaves the share exp(`faded`).
-    fn swings(&self, nm: f64, place: Place, faded: f64) -> Swings {
+    fn swings(&self, nm: f64, place: WayBetween, faded: f64) -> Swings {
         let um = 1e-3 * nm;
         let indices: Vec<f64> = self.layers.iter().map(|layer| between(&layer.indices, place)).collect();
         let way: f64 = indices.iter().zip(&self.layers).map(|(n, layer)| n * layer.thickness_um).sum();
@@ -177,13 +177,13 @@ impl Fringes {
     }
 }
 
-fn place(wavelengths_nm: &[f64], nm: f64) -> Place {
+fn place(wavelengths_nm: &[f64], nm: f64) -> WayBetween {
     let k = wavelengths_nm.partition_point(|listed| *listed <= nm).clamp(1, wavelengths_nm.len() - 1) - 1;
     let [from, to] = [wavelengths_nm[k], wavelengths_nm[k + 1]];
     (k, (nm - from) / (to - from))
 }
 
-fn between(values: &[f64], (k, way): Place) -> f64 {
+fn between(values: &[f64], (k, way): WayBetween) -> f64 {
     values[k] + way * (values[(k + 1).min(values.len() - 1)] - values[k])
 }
 
@@ -206,7 +206,7 @@ mod tests {
     /// sum over these misses: .045 of Y. *Planted*: films without light that comes back; the films
     /// a whole fringe apart.
     #[test]
-    fn what_wavelengths_miss_of_fringes_is_told() {
+    fn what_wavelengths_miss_of_fringes_is_found() {
         let nm: Vec<f64> = (0..16).map(|k| 400.0 + 20.0 * f64::from(k)).collect();
         let rows: Vec<LayerNumbers<f64>> = nm
             .iter()

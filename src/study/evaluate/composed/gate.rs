@@ -67,15 +67,17 @@ pub fn rows(rows: &mut [ComposedRow], fluoresces: bool) -> Vec<Withheld> {
 
 /// A spectrum of a layer.
 #[derive(Clone, Copy)]
-struct Seen {
+struct LayerSpectrum {
     /// Of its rows; `None` where it is withheld.
     rows: fn(&ComposedRow) -> Option<ErrorParts>,
     /// Of its numbers.
     of: fn(&LayerNumbers<f64>) -> f64,
 }
 
-const OVER_BLACK: Seen = Seen { rows: |row| row.layer.over_black, of: |layer| layer.over_black };
-const OVER_WHITE: Seen = Seen { rows: |row| row.layer.over_white, of: |layer| layer.over_white };
+const OVER_BLACK: LayerSpectrum =
+    LayerSpectrum { rows: |row| row.layer.over_black, of: |layer| layer.over_black };
+const OVER_WHITE: LayerSpectrum =
+    LayerSpectrum { rows: |row| row.layer.over_white, of: |layer| layer.over_white };
 
 /// A colour that can be, with the bars of its L*, a*, b*.
 struct JudgedColour {
@@ -127,10 +129,11 @@ impl LayerInColour<'_> {
         let [natural_beyond, lit_beyond] =
             numbers.beyond_factors.map(|xyz| SeenPaper { open: self.paper, beyond: xyz.map(|c| c.value) });
         let no_paper = SeenPaper::default();
-        let natural_light = Seen { rows: |row| row.layer.natural_light, of: |layer| layer.natural_light };
+        let natural_light =
+            LayerSpectrum { rows: |row| row.layer.natural_light, of: |layer| layer.natural_light };
         let natural_light = self.judged(natural_light, numbers.natural_light, (sky, natural_beyond));
         let natural_light = keep(natural_light, "under natural light");
-        let lit_at_45 = Seen { rows: |row| row.layer.lit_at_45, of: |layer| layer.lit_at_45 };
+        let lit_at_45 = LayerSpectrum { rows: |row| row.layer.lit_at_45, of: |layer| layer.lit_at_45 };
         let lit_at_45 = self.judged(lit_at_45, numbers.lit_at_45, (one_side, lit_beyond));
         let lit_at_45 = keep(lit_at_45, "at 45°:0°");
         let over_black = self.judged(OVER_BLACK, numbers.over_black, (one_side, no_paper));
@@ -165,7 +168,7 @@ impl LayerInColour<'_> {
     /// the reason if it cannot be.
     fn judged(
         &self,
-        spectrum: Seen,
+        spectrum: LayerSpectrum,
         lab: Lab<ErrorParts>,
         (brightest, paper): (Brightest, SeenPaper),
     ) -> Result<JudgedColour, String> {
@@ -198,7 +201,7 @@ impl LayerInColour<'_> {
     /// The contrast ratio with what the wavelengths leave open; the reason if it cannot be.
     fn contrast_ratio(&self, ratio: ErrorParts) -> Result<ErrorParts, String> {
         let white = self.values(OVER_WHITE);
-        let error = |spectrum: Seen| {
+        let error = |spectrum: LayerSpectrum| {
             let values = self.values(spectrum);
             let spacing = match self.guides(spectrum) {
                 Some([film, quarter]) => {
@@ -219,18 +222,18 @@ impl LayerInColour<'_> {
     }
 
     /// What fringes change of a spectrum at the wavelengths and between them.
-    fn guides(&self, spectrum: Seen) -> Option<[Guide; 2]> {
+    fn guides(&self, spectrum: LayerSpectrum) -> Option<[Guide; 2]> {
         let (fringes, seen) = self.fringes.as_ref()?;
         Some(fringes.guides(seen.clone(), spectrum.of))
     }
 
     /// The values of a spectrum before the gate.
-    fn values(&self, spectrum: Seen) -> Vec<f64> {
+    fn values(&self, spectrum: LayerSpectrum) -> Vec<f64> {
         self.all.iter().map(|row| (spectrum.rows)(row).map_or(f64::NAN, |number| number.value)).collect()
     }
 
     /// Whether the gate has left out a number of a spectrum.
-    fn lacks(&self, spectrum: Seen) -> bool {
+    fn lacks(&self, spectrum: LayerSpectrum) -> bool {
         self.kept.iter().any(|row| (spectrum.rows)(row).is_none())
     }
 }
