@@ -9,7 +9,8 @@
 //! - [`layer`] composes a layer of them; [`spectral`] reads its numbers at one wavelength,
 //!   `medium` and [`distribution`] those of its medium and of its directions
 //! - [`numbers`] gathers what a study asks for, `errors` adds the bars, `between` what fringes
-//!   do between the wavelengths, `gate` withholds what cannot be right, and [`summary`] fills the manifest
+//!   do between the wavelengths, `gate` withholds what cannot be right, and [`summary`] fills the
+//!   manifest
 //! - [`library`] keeps plates for a later [`composition`]
 //! - [`view`] is the layer from every direction
 
