@@ -78,7 +78,7 @@ impl FilmStack {
         let changes = |nm: f64| {
             let place = place(wavelengths_nm, nm);
             let row =
-                rows[place.0].zipped(rows[(place.0 + 1).min(rows.len() - 1)], &|a, b| a + place.1 * (b - a));
+                rows[place.0].zipped(rows[(place.0 + 1).min(rows.len() - 1)], |a, b| a + place.1 * (b - a));
             let swings = self.swings(nm, place, between(&faded, place));
             [0, 1].map(|quarter| swings.changes(&row, quarter, self.excludes_mirrored))
         };
