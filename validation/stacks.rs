@@ -197,6 +197,7 @@ impl TwoCoats {
                 amplitudes: sides[k].coherent(&fluxes, left_out),
                 between,
                 index: self.even_index(k),
+                permittivity: self.even_index(k).powi(2).into(),
                 thickness_um: self.coats[k].thickness_um,
                 mirrors: Mirrors::OnBothSides,
                 count: 1.0,

@@ -989,9 +989,14 @@ class _TrappedSlab:
         # powers of the mean wave as it was solved, from the paper's side (mean, wavelength, direction)
         near_ones = slice(near + 1, sines.size)
         powers = _Film(*(np.abs(x[..., near_ones]) ** 2 for x in (own[..., 1, :, 0], own[..., 0, :, 0], measured)))
-        self.solved = powers.where(self.mirrors, _Film(0 * powers.ra, 0 * powers.rb, powers.t))
+        with np.errstate(all="ignore"):
+            self.solved = self._steps_alone(powers, self.film(self.known[0], sines[near_ones], self.both).powers())
         if not self.goes_on.all():
             self._carry_on(measured[..., 0], sines[near_ones])
+
+    def _steps_alone(self, solved: _Film, even: _Film) -> _Film:
+        """Of slabs whose medium goes on, the steps to the half-spaces of their solves, without what noise of few realisations mirrors."""
+        return solved.where(self.mirrors, _Film(np.minimum(solved.ra, even.ra), np.minimum(solved.rb, even.rb), solved.t))
 
     def _carry_on(self, measured: np.ndarray, sines: np.ndarray) -> None:
         """Where light decays in it, the slab is an even film of the index that it has at 0°."""
@@ -1000,8 +1005,7 @@ class _TrappedSlab:
             even = self.film(squared[..., None], sines, self.both).powers()
         in_front, behind = self.before > sines**2, self.behind > sines**2
         turned_back = _Film(np.where(in_front, np.minimum(even.ra, 1.0), 1.0), 0 * even.ra + 1.0, 0 * even.ra)
-        even = even.where(in_front & behind, turned_back)
-        even = even.where(self.mirrors, _Film(0 * even.ra, 0 * even.rb, even.t))
+        even = self._steps_alone(even.where(in_front & behind, turned_back), even)
         here = self.goes_on[:, None]
         self.known = np.where(here, self.known, np.array([squared, *np.zeros((3, *squared.shape))])[..., None])
         self.solved = self.solved.where(here, even)
@@ -1083,8 +1087,7 @@ class _TrappedSlab:
 
     def solved_powers(self, times: Any) -> _Film:
         """Powers of this number of them, or of several, in the known directions, as they were solved."""
-        plain = self.solved._replace(t=self.solved.t**times)
-        return self.solved.powers_repeated(times).where(self.mirrors, plain) if self.mirrors.any() else plain
+        return self.solved.powers_repeated(times)
 
 
 class _TrappedStacks:

@@ -747,6 +747,8 @@ const inkwave = (() => {
         }
         return [[0, 0], first, first[1]];
       };
+      // of a slab whose medium goes on, the steps to the half-spaces of its solve, without what noise mirrors
+      const stepsAlone = (solved, even) => ({ ra: Math.min(solved.ra, even.ra), rb: Math.min(solved.rb, even.rb), t: solved.t });
       const goesOn = Math.min(...between, index) > this.index - NARROWEST, known = [];
       let near = 0, normal = [0, 0];
       [0, ...this.sines].forEach((sine, d) => {
@@ -758,14 +760,14 @@ const inkwave = (() => {
         if (!goesOn) {
           const even = powers(film(normal, sine, [true, true])), [behindIt, inFront] = between.map(n => n > sine);
           const turned = inFront && behindIt ? even : { ra: inFront ? Math.min(even.ra, 1) : 1, rb: 1, t: 0 };
-          const solved = inner ? { ra: 0, rb: 0, t: turned.t } : turned;
+          const solved = inner ? stepsAlone(turned, even) : turned;
           known.push({ squared: normal, further: [0, 0], solved, reflected: [[0, 0], [0, 0]] });
           return;
         }
         const [squared, further, last] = evenOf(measured, sine, near), own = film(squared, sine, [true, true]), phases = depths(squared, sine);
         near = last;
-        const solved = inner ? [0, 0] : [1, 0].map(side => cn(amplitude(side, d, pol, 0)));
-        known.push({ squared, further, solved: { ra: solved[0], rb: solved[1], t: cn(measured) }, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
+        const [ra, rb] = [1, 0].map(side => cn(amplitude(side, d, pol, 0))), mirrored = { ra, rb, t: cn(measured) };
+        known.push({ squared, further, solved: inner ? stepsAlone(mirrored, powers(own)) : mirrored, reflected: [0, 1].map(side => cm(cs(amplitude(1 - side, d, pol, 0), side ? own.rb : own.ra), conj(phases[side]))) });
       });
       const at = (weights, kept, sine, times) => {
         let squared = [0, 0], further = [0, 0];
@@ -785,7 +787,7 @@ const inkwave = (() => {
         return filmRepeated(slab(1), times, slab);
       };
       const turns = 2 * (goingOn([index * index, 0], 1)[0] - goingOn([index * index, 0], this.index)[0]) * um * k0 / TAU;
-      const solved = (d, times) => inner ? { ...known[d].solved, t: known[d].solved.t ** times } : powersRepeated(known[d].solved, times);
+      const solved = (d, times) => powersRepeated(known[d].solved, times);
       this.turnedBack.set(key, { at, solved, goesOn, turns, decays: sine => Math.min(...between, index) <= sine });
       return this.turnedBack.get(key);
     }

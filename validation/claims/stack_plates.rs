@@ -115,6 +115,7 @@ impl Pile<'_> {
             amplitudes: [side.clone(), side],
             between: [index; 2],
             index,
+            permittivity: (index * index).into(),
             thickness_um,
             mirrors: Mirrors::Nowhere,
             count: 1.0,

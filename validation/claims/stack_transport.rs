@@ -7,6 +7,7 @@ use inkwave::appearance::composed::ordinates::Ordinates;
 use inkwave::appearance::composed::plate::Plate;
 use inkwave::appearance::composed::stack::{JointFlux, PlateStack, StackElement};
 use inkwave::appearance::composed::transport::{Transport, diffuse};
+use num_complex::Complex64;
 
 pub const CLAIM: Claim = Claim {
     id: "38-stack-transport",
@@ -62,6 +63,7 @@ fn measure(_: Level, findings: &mut Findings) {
                 amplitudes: Default::default(),
                 between: [1.0; 2],
                 index: 1.0,
+                permittivity: Complex64::ONE,
                 thickness_um: 1.0,
                 mirrors: Mirrors::Nowhere,
                 count: 1.0,

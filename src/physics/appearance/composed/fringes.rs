@@ -169,7 +169,7 @@ impl<'a> Interference<'a> {
         match &self.wave {
             MeanWave::Slabs { film, count, beyond } => {
                 let slow = film.between(beyond, &weights, self.polarisation, sine);
-                let mean = film.film(*count, sine, &slow);
+                let mean = film.film(*count, self.polarisation, sine, &slow);
                 KnownField { mean, front: slow.front.norm_sqr(), through: slow.through.norm(), shares }
             }
             MeanWave::Stack { film, beyond } => {

@@ -270,7 +270,7 @@ impl<'a> CompositionTask<'a> {
         for (layer, &(number, count)) in layers.iter().enumerate() {
             let plate = &plates[number];
             let mean = |position| level.mean([number, wavelength], position, change);
-            let own = slab_elements(mean, level.halved, count, plate.within[wavelength], layer);
+            let own = slab_elements(mean, level.halved, count, layer);
             let lacks = || format!("plate {:?}: lacks a portion; gather the library again", plate.name);
             elements.extend(own.ok_or_else(lacks)?);
         }

@@ -9,6 +9,7 @@ use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Order, Side};
+use num_complex::Complex64;
 
 /// A portion's study and what was solved of it.
 pub type SolvedPortion = (Study, Collected);
@@ -23,6 +24,8 @@ struct Ensemble {
     states: EnsembleStates,
     /// Expected error of R from the grid.
     grid_error: f64,
+    /// Permittivity of its even medium, \[wavelength\].
+    permittivities: Vec<Complex64>,
 }
 
 /// What is known of a portion at every wavelength.
@@ -64,6 +67,8 @@ pub struct KeptPortion {
     pub slab_um: f64,
     /// Expected error of R from the grid.
     pub grid_error: f64,
+    /// Permittivity of its even medium, \[wavelength\].
+    pub permittivities: Vec<Complex64>,
     /// \[wavelength\]
     pub states: Vec<KeptStates>,
 }
@@ -103,6 +108,8 @@ pub(super) struct MeanSlab {
     pub coherent: Coherent,
     /// The media on its sides.
     pub media: [Hemisphere; 2],
+    /// Permittivity of its even medium.
+    pub permittivity: Complex64,
     /// Its thickness, µm.
     pub slab_um: f64,
 }
@@ -169,6 +176,7 @@ impl Level {
             layer: kept.layer,
             position: kept.position,
             slab_um: kept.slab_um,
+            permittivities: kept.permittivities,
             states: EnsembleStates::Kept(kept.states),
             grid_error: kept.grid_error,
         };
@@ -185,6 +193,7 @@ impl Level {
         let all = 0..self.wavelengths_um.len();
         let mean = |portion: &Ensemble| Ensemble {
             states: EnsembleStates::Kept(all.clone().map(|wavelength| states(portion, wavelength)).collect()),
+            permittivities: portion.permittivities.clone(),
             ..*portion
         };
         Self {
@@ -206,6 +215,7 @@ impl Level {
             position: portion.position,
             slab_um: portion.slab_um,
             grid_error: portion.grid_error,
+            permittivities: portion.permittivities.clone(),
             states: (0..self.wavelengths_um.len()).map(|wavelength| states(portion, wavelength)).collect(),
         };
         self.portions.iter().map(kept).collect()
@@ -233,7 +243,8 @@ impl Level {
             true => plate.with_fewer_directions(&media, &coherent),
             false => plate,
         };
-        Some(MeanSlab { plate, coherent, media, slab_um: portion.slab_um })
+        let permittivity = portion.permittivities[wavelength];
+        Some(MeanSlab { plate, coherent, media, permittivity, slab_um: portion.slab_um })
     }
 
     /// Mean flux matrices at every wavelength.
@@ -244,7 +255,7 @@ impl Level {
     fn slabs_at(&self, wavelength: usize, change: Change) -> Slabs {
         let mean = |position| self.mean([0, wavelength], position, change);
         let needed = |position| mean(position).expect("a layer has slabs within and in front");
-        let MeanSlab { plate: inner, coherent: amplitudes, .. } = needed(Position::Inner);
+        let MeanSlab { plate: inner, coherent: amplitudes, permittivity, .. } = needed(Position::Inner);
         let MeanSlab { plate: front, coherent: at_front, media: [before, within], .. } =
             needed(Position::Front);
         let turned = |[a, b]: Coherent| [b, a];
@@ -255,6 +266,7 @@ impl Level {
         let film = CoherentFilm {
             slabs: [at_front, amplitudes, at_back],
             media: [before.clone(), within.clone(), behind.clone()],
+            permittivity,
             slab_um: self.slab_um,
             wavelength_um: self.wavelengths_um[wavelength],
             fewer_directions: change.fewer_directions,
@@ -295,7 +307,8 @@ fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
     let states = EnsembleStates::Solved(wavelengths);
-    (!cells.is_empty()).then_some(Ensemble { layer, position, slab_um, states, grid_error })
+    let permittivities = study.wavelengths_nm.iter().map(|nm| study.even_permittivity(1e-3 * nm)).collect();
+    (!cells.is_empty()).then_some(Ensemble { layer, position, slab_um, states, permittivities, grid_error })
 }
 
 /// The media at one wavelength and the flux matrices of every cell.
@@ -353,6 +366,7 @@ pub(super) mod tests {
         let film = CoherentFilm {
             slabs: Default::default(),
             media: [medium(), medium(), medium()],
+            permittivity: (1.5 * 1.5).into(),
             slab_um: 1.0,
             wavelength_um: 0.55,
             fewer_directions: false,

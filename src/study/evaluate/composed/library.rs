@@ -326,6 +326,7 @@ impl Library {
                 position: portion.position,
                 slab_um: portion.thickness_um,
                 grid_error: portion.grid_error,
+                permittivities: plate.within.iter().map(|index| (index * index).into()).collect(),
                 states,
             })
         };

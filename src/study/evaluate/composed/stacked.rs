@@ -215,19 +215,18 @@ impl<'a> StackTask<'a> {
     ) -> Result<Vec<StackElement>, String> {
         let Around { layer, wavelength, .. } = *around;
         let mean = |position| level.mean([layer, wavelength], position, change);
-        slab_elements(mean, level.halved, count, self.own[wavelength][layer], layer)
+        slab_elements(mean, level.halved, count, layer)
             .ok_or_else(|| format!("layer {} has no complete realisation yet", self.study.stack[layer].name))
     }
 }
 
 /// The elements of a layer of `count` slabs of the thickness that is not halved, from the mean
-/// portion at every position; `None` if one is missing. `own` is the index of the even medium that
-/// the layer is compared with; slabs between half-spaces of another index mirror the steps to it.
+/// portion at every position; `None` if one is missing. Slabs between half-spaces of another index
+/// than that of the even medium that they are compared with mirror the steps to it.
 pub(super) fn slab_elements(
     mean: impl Fn(Position) -> Option<MeanSlab>,
     is_halved: bool,
     count: f64,
-    own: f64,
     layer: usize,
 ) -> Option<Vec<StackElement>> {
     let count = if is_halved { 2.0 * count } else { count };
@@ -242,7 +241,8 @@ pub(super) fn slab_elements(
     };
     let mut elements = Vec::new();
     for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
-        let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean(position)?;
+        let MeanSlab { plate, coherent, media: [before, behind], permittivity, slab_um } = mean(position)?;
+        let own = permittivity.re.max(0.0).sqrt();
         let inside = match position {
             Position::Back => &before,
             _ => &behind,
@@ -253,6 +253,7 @@ pub(super) fn slab_elements(
             amplitudes: coherent,
             between: [before.ordinates.index, behind.ordinates.index],
             index: own,
+            permittivity,
             thickness_um: slab_um,
             mirrors,
             count,

@@ -16,6 +16,7 @@ use crate::ink::PackingRequest;
 use crate::input::variation::LightRule;
 use crate::material::mixing::MixingRule;
 use crate::wave::{Incidence, Side, Wave};
+use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -163,6 +164,11 @@ impl Study {
     /// Garnett for Maxwell's equations. It has to be known before the first solve; the index of the
     /// mean wave follows from the solves.
     pub fn embedding_index(&self, wavelength_um: f64) -> f64 {
+        self.even_permittivity(wavelength_um).re.max(0.0).sqrt()
+    }
+
+    /// Permittivity of the even medium whose real index that is, with what it absorbs.
+    pub fn even_permittivity(&self, wavelength_um: f64) -> Complex64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
         let shares: Vec<_> = self.material_shares().into_iter().zip(pigments).collect();
         let usual =
@@ -173,7 +179,7 @@ impl Study {
             StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => None,
         };
         let mixed = requested.unwrap_or(usual).mix(binder, &shares);
-        (mixed * mixed).re.max(0.0).sqrt()
+        mixed * mixed
     }
 
     /// Real indices in front and behind: those of the layer's surroundings, or its own.

@@ -3,8 +3,14 @@
 //!
 //! Known are amplitudes in the directions that were solved. In between, their differences from
 //! those of plane faces of the even medium (Fresnel) are polynomials.
+//!
+//! Slabs are solved between half-spaces of a real index n. Where the medium absorbs, its own index
+//! N is complex, and the amplitudes hold the steps from N to n, which in the layer are not there:
+//! for the coherent light, a step from n to N behind the front slab and one from N to n in front of
+//! the back slab undo them, and t of inner slabs is taken between half-spaces of N.
 
-use super::{FAINT, Interference, Lobes, MeanField, MeanWave, NOTHING, known_sines, passive};
+use super::film_matrix::{FilmMatrix, plane};
+use super::{FAINT, Interference, Lobes, MeanField, MeanWave, known_sines, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -16,6 +22,8 @@ pub struct CoherentFilm {
     pub slabs: [Coherent; 3],
     /// Media in front, within and behind.
     pub media: [Hemisphere; 3],
+    /// Permittivity N² of the even medium within, with what it absorbs.
+    pub permittivity: Complex64,
     /// Thickness of a slab, µm.
     pub slab_um: f64,
     /// Vacuum wavelength, µm.
@@ -71,7 +79,8 @@ impl CoherentFilm {
         let solve = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
         let mut solved: Vec<Slow> = sines.iter().enumerate().map(solve).collect();
         unwrap(&mut solved);
-        let incoherent = |(sine, slow): (&f64, &Slow)| self.film(count, *sine, slow).incoherent;
+        let incoherent =
+            |(sine, slow): (&f64, &Slow)| passive(self.incoherent(count, polarisation, *sine, slow));
         let fields: Vec<Lobes> = sines.iter().zip(&solved).map(incoherent).collect();
         let even = |(sine, slow): (&f64, &Slow)| slow.plus(-1.0, &self.even(*sine, polarisation));
         let beyond = sines.iter().zip(&solved).map(even).collect();
@@ -148,8 +157,15 @@ impl CoherentFilm {
         slow
     }
 
-    /// The mean field in a layer of `count` slabs.
-    pub(super) fn film(&self, count: f64, sine: f64, slow: &Slow) -> MeanField {
+    /// The mean field in a layer of `count` slabs, without interference as composing has it.
+    pub(super) fn film(&self, count: f64, polarisation: usize, sine: f64, slow: &Slow) -> MeanField {
+        let coherent = self.coherent(count, sine, &self.in_own_medium(polarisation, sine, slow));
+        let incoherent = self.incoherent(count, polarisation, sine, slow);
+        MeanField { coherent: passive(coherent), incoherent: passive(incoherent) }
+    }
+
+    /// R and T of a layer of `count` slabs with interference between its surfaces.
+    fn coherent(&self, count: f64, sine: f64, slow: &Slow) -> Lobes {
         let inner = count - 2.0;
         let depth = self.phase_per_um(sine) * self.slab_um;
         let passed = (slow.slab * (2.0 * inner)).exp();
@@ -158,15 +174,83 @@ impl CoherentFilm {
         let front_depth = Complex64::from_polar(1.0, 2.0 * depth);
         let rho = slow.inside * front_depth * to_back;
         let back = slow.through * front_depth * to_back;
-        let kept = (1.0 - rho.norm_sqr()).max(NOTHING);
-        let transmitted = slow.passed.powi(2) * passed.norm() / kept;
-        let coherent = Lobes {
+        Lobes {
             reflected: (slow.front + back / (1.0 - rho)).norm_sqr(),
-            transmitted: transmitted * kept / (1.0 - rho).norm_sqr(),
-        };
-        let incoherent = Lobes { reflected: slow.front.norm_sqr() + back.norm_sqr() / kept, transmitted };
-        MeanField { coherent: passive(coherent), incoherent: passive(incoherent) }
+            transmitted: slow.passed.powi(2) * passed.norm() / (1.0 - rho).norm_sqr(),
+        }
     }
+
+    /// R and T of a layer of `count` slabs, as composing has them: of slabs between the half-spaces
+    /// of their solves, which mirror the steps to these.
+    fn incoherent(&self, count: f64, polarisation: usize, sine: f64, slow: &Slow) -> Lobes {
+        let at_front = slow.through.norm();
+        let front =
+            FilmMatrix { reflected: [slow.front.norm_sqr(), slow.inside.norm_sqr()], transmitted: at_front };
+        let step = self.step(polarisation, sine);
+        let through = self.way(sine) * slow.slab.exp();
+        let inner = FilmMatrix {
+            reflected: [even_slab(step, through).norm_sqr(); 2],
+            transmitted: through.norm_sqr(),
+        };
+        let back = FilmMatrix {
+            reflected: [slow.behind.norm_sqr(), 0.0],
+            transmitted: slow.passed.powi(2) / at_front.max(FAINT),
+        };
+        let whole = front.then(inner.repeated(count - 2.0)).then(back);
+        Lobes { reflected: whole.reflected[0], transmitted: whole.transmitted }
+    }
+
+    /// Phase of one way through a slab of the half-spaces' index.
+    fn way(&self, sine: f64) -> Complex64 {
+        Complex64::from_polar(1.0, self.phase_per_um(sine) * self.slab_um)
+    }
+
+    /// What a step from the half-spaces of the solves to the medium's own index mirrors; 0 where it
+    /// does not absorb.
+    fn step(&self, polarisation: usize, sine: f64) -> Complex64 {
+        if self.permittivity.im == 0.0 {
+            return Complex64::ZERO;
+        }
+        let index = self.media[1].ordinates.index;
+        plane(index.into(), self.permittivity.sqrt(), sine, polarisation).reflected[0]
+    }
+
+    /// The amplitudes between half-spaces of the medium's own index within the layer.
+    fn in_own_medium(&self, polarisation: usize, sine: f64, slow: &Slow) -> Slow {
+        let step = self.step(polarisation, sine);
+        if step == Complex64::ZERO {
+            return *slow;
+        }
+        let once = self.way(sine);
+        let twice = once * once;
+        let passes = 1.0 - step * step;
+        let [inside, behind] = [slow.inside, slow.behind].map(|reflected| reflected * twice);
+        let [at_front, at_back] = [inside, behind].map(|reflected| 1.0 / (1.0 - reflected * step));
+        let through = once * slow.slab.exp();
+        let own = own_passage(step, through);
+        Slow {
+            front: slow.front + slow.through * twice * step * at_front,
+            through: slow.through * passes * at_front * at_front,
+            inside: (passes * inside * at_front - step) / twice,
+            behind: (passes * behind * at_back - step) / twice,
+            slab: slow.slab + own.ln(),
+            passed: slow.passed * (passes * at_front * at_back).norm(),
+        }
+    }
+}
+
+/// What a slab with this t between half-spaces mirrors, both of whose faces have this step.
+pub(super) fn even_slab(step: Complex64, through: Complex64) -> Complex64 {
+    let own = through * own_passage(step, through);
+    step * (1.0 - own * own) / (1.0 - step * step * own * own)
+}
+
+/// t of a slab between half-spaces of its own medium over the `through` that it has between
+/// half-spaces to which both of its faces have this step: P/t of t = (1 − ρ²) P/(1 − ρ² P²).
+pub(super) fn own_passage(step: Complex64, through: Complex64) -> Complex64 {
+    let steps = step * step;
+    let passes = 1.0 - steps;
+    2.0 / (passes + (passes * passes + 4.0 * steps * through * through).sqrt())
 }
 
 /// Amplitude that a plane face between two indices reflects of s light (and of the scalar wave), or

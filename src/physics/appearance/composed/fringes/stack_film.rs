@@ -8,7 +8,7 @@
 //! phase of the depth at which the wave is reflected taken off.
 
 use super::film_matrix::{FilmMatrix, normal, plane};
-use super::slab_film::logarithm;
+use super::slab_film::{even_slab, logarithm, own_passage};
 use super::{FAINT, Lobes, MeanField, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
@@ -39,6 +39,8 @@ pub struct SolvedElement {
     pub between: [f64; 2],
     /// Real index of the even medium that it is compared with.
     pub index: f64,
+    /// Permittivity of that medium, with what it absorbs.
+    pub permittivity: Complex64,
     /// Its thickness, µm.
     pub thickness_um: f64,
     /// Where it mirrors the mean wave.
@@ -256,18 +258,38 @@ impl StackFilm {
         // direction: many slabs raise that to their power.
         let clearest = beyond.iter().map(|known| known.passed.re).fold(f64::NEG_INFINITY, f64::max);
         here.passed.re = here.passed.re.min(clearest);
-        if solved.mirrors == Mirrors::Nowhere {
-            let once = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine);
-            let transmitted = ((once + here.passed) * solved.count).exp();
-            return alone(FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted });
-        }
+        // from the half-spaces of its solve to its own medium, which may absorb
+        let step = plane(solved.index.into(), solved.permittivity.sqrt(), sine, polarisation);
         let slab = |part: f64| self.slab(solved, here, part, polarisation, sine);
-        let one = slab(1.0);
-        let all = match solved.part_first {
-            true => one.turned().repeated(solved.count, |part| slab(part).turned()).turned(),
-            false => one.repeated(solved.count, slab),
-        };
-        (all, one.powers().repeated(solved.count))
+        match solved.mirrors {
+            Mirrors::Nowhere => {
+                let once = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine);
+                let way = once + here.passed;
+                let through = way.exp();
+                let own = way + own_passage(step.reflected[0], through).ln();
+                let transmitted = (own * solved.count).exp();
+                let mirrored = even_slab(step.reflected[0], through).norm_sqr();
+                let as_solved = FilmMatrix { reflected: [mirrored; 2], transmitted: through.norm_sqr() };
+                let within = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
+                (within, as_solved.repeated(solved.count))
+            }
+            Mirrors::InFront => {
+                let one = slab(1.0);
+                (one.then(step), one.powers())
+            }
+            Mirrors::Behind => {
+                let one = slab(1.0);
+                (step.turned().then(one), one.powers())
+            }
+            Mirrors::OnBothSides => {
+                let one = slab(1.0);
+                let all = match solved.part_first {
+                    true => one.turned().repeated(solved.count, |part| slab(part).turned()).turned(),
+                    false => one.repeated(solved.count, slab),
+                };
+                (all, one.powers().repeated(solved.count))
+            }
+        }
     }
 
     /// This part of an element that differs so from an even film.

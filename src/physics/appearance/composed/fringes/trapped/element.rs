@@ -207,10 +207,13 @@ impl TrappedElement {
         match self {
             Self::Solved { film, count, known, .. } => {
                 let [front, behind, passed] = known[direction].solved;
+                let mut reflected = [front, behind];
                 if film.mirrors == Mirrors::Nowhere {
-                    return FilmMatrix { reflected: [0.0; 2], transmitted: passed.powf(*count) };
+                    // the steps to the half-spaces, without what noise of few realisations mirrors
+                    let even = film.solved(known[direction].squared, sine).powers();
+                    (0..2).for_each(|side| reflected[side] = reflected[side].min(even.reflected[side]));
                 }
-                FilmMatrix { reflected: [front, behind], transmitted: passed }.repeated(*count)
+                FilmMatrix { reflected, transmitted: passed }.repeated(*count)
             }
             plain if plain.passes(sine) => plain.at(&[], sine, polarisation, wavenumber).powers(),
             _ => TURNED_BACK,
