@@ -478,6 +478,9 @@ class Library:
     def _eye(self, composition: Mapping[str, Any]) -> np.ndarray:
         name = (composition.get("illuminant", "D65"), composition.get("observer", "2"))
         if not self._eyes:
+            lamps, observers = sorted(self._lights) or [name[0]], ["2", "10"]
+            if name[0] not in lamps or name[1] not in observers:
+                raise InputError(f"illuminant, observer: found {name[0]}, {name[1]}; allowed are {', '.join(lamps)} and {', '.join(observers)}")
             return np.full((self.wavelengths_nm.size, 6), np.nan)
         if name not in self._eyes:
             known = ", ".join("/".join(eye) for eye in self._eyes)

@@ -1,15 +1,16 @@
 //! `inkwave library FOLDER…`: solved layers as plates. `inkwave compose FILE --library FILE`: a
 //! stack of them on paper, without a solve.
 
+use super::diagnostics::study_report;
 use clap::Args;
 use inkwave::evaluate::composed::composition::{ComposedStack, Composition, compose as composed};
 use inkwave::evaluate::composed::library::Library;
+use inkwave::input::load::read_toml_or_json;
 use inkwave::library::gather::{GatherError, from_file, gather};
 use inkwave::library::page::page;
 use inkwave::numerics::allowed::brief;
 use inkwave::numerics::estimate::Estimate;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
-use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// Gather solved layers as plates, from which stacks in any order are composed without a solve
@@ -67,7 +68,7 @@ pub fn library(args: &LibraryArgs) -> Result<()> {
 /// Composes and prints the colours.
 pub fn compose(args: &ComposeArgs) -> Result<()> {
     let library = from_file(&args.library).map_err(refusal)?;
-    let composition: Composition = read(&args.composition)?;
+    let composition: Composition = read_toml_or_json(&args.composition).map_err(study_report)?;
     let found = composed(&library, &composition);
     let found = found.map_err(|reason| {
         let plates: Vec<&str> = library.plates.iter().map(|plate| plate.name.as_str()).collect();
@@ -113,20 +114,6 @@ fn tell(library: &Library, found: &ComposedStack) -> Result<()> {
         say!("{stack}: no colour: the library has {nm} wavelengths, which do not cover 400 to 700 nm")?;
     }
     Ok(())
-}
-
-/// A file of TOML, or of JSON by its ending.
-fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let text =
-        std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
-    let is_json = path.extension().is_some_and(|ending| ending == "json");
-    let found = match is_json {
-        true => serde_json::from_str(&text).map_err(|error| error.to_string()),
-        false => toml::from_str(&text).map_err(|error| error.to_string()),
-    };
-    found.map_err(|error| {
-        miette!(help = "`inkwave schema composition` has every key", "{}: {error}", path.display())
-    })
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {

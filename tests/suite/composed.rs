@@ -3,6 +3,7 @@
 mod films;
 
 use super::run_support::{COMPOSED, described_tables, results, study, succeed, value};
+use inkwave::appearance::tristimulus::Colorimeter;
 use num_complex::Complex64;
 use serde_json::Value;
 use std::path::Path;

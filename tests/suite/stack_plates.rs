@@ -1,6 +1,8 @@
 //! Stacks that are lists of plates, as a user runs them.
 
 use super::run_support::{results, results_of, study, succeed, value};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// A clear varnish, an ink that is solved as a whole, and a white in slabs, which has several thicknesses.
@@ -309,6 +311,63 @@ fn a_layer_alone_forgets_its_neighbours() {
             let (own, truth) = (value(row, &format!("{light}_alone")), value(print, light));
             // three directions in each zone; a joint of 1.3 leaves a quarter of the light
             assert!((own - truth).abs() < 6e-3, "{light}: {own} and {truth}");
+        }
+    }
+}
+
+/// An absorbing film in four slabs; its grains are of the binder itself but for the rounding of a file.
+const ABSORBING: &str = r#"
+title = "An absorbing film"
+[stack]
+period_um = 0.5
+composed = { slab_um = 0.4 }
+[[layer]]
+name = "film"
+thickness_um = [0.8, 1.6]
+binder.index = { n = 1.5, k = 0.06 }
+[[layer.pigment]]
+name = "the binder again"
+diameter_nm = 60
+volume_fraction = 0.05
+share = "scale_sizes"
+index = { n = 1.50001, k = 0.06 }
+[paper]
+albedo = 0.85
+[light]
+wavelengths_nm = [560, 740]
+[run]
+realisations = 2
+[resolution]
+accuracy = 3e-2
+"#;
+
+/// A stack of one layer is composed where that is asked, at each of its thicknesses: R and T of a film that absorbs are those of
+/// Airy's formula, though its slabs are solved between media that do not absorb. *Planted*: such a stack solved whole at its first
+/// thickness; the steps to the slabs' half-spaces left in the front and back slabs (T off by 2 % at 740 nm).
+#[test]
+fn an_absorbing_film_in_slabs_is_the_film_of_its_formula() {
+    let scratch = tempfile::tempdir().unwrap();
+    let file = study(scratch.path(), ABSORBING);
+    let output = scratch.path().join("out");
+    succeed(&file, &output, &[]);
+    let all = results(&output);
+    let rows = all["spectra"].as_array().expect("rows");
+    let found: Vec<[f64; 2]> =
+        rows.iter().map(|row| [value(row, "thickness_um"), value(row, "wavelength_nm")]).collect();
+    assert_eq!(found, [[0.8, 560.0], [0.8, 740.0], [1.6, 560.0], [1.6, 740.0]]);
+    for row in rows {
+        let index = Complex64::new(1.5, 0.06);
+        let face = (1.0 - index) / (1.0 + index);
+        let phase =
+            Complex64::I * TAU / (1e-3 * value(row, "wavelength_nm")) * index * value(row, "thickness_um");
+        let once = phase.exp();
+        let many = 1.0 / (1.0 - face * face * once * once);
+        let reflected = (face * (1.0 - once * once) * many).norm_sqr();
+        let passed = ((1.0 - face * face) * once * many).norm_sqr();
+        // the grid is told to be off by 6e-6
+        for (name, wanted) in [("reflectance_normal", reflected), ("transmittance_normal", passed)] {
+            let found = value(row, name);
+            assert!((found - wanted).abs() < 1e-5, "{name} {found} {wanted}: {row}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::uncertainty::{Shift, UNMOVED, Uncertainty};
 use crate::appearance::bare_paper::PaperGeometry;
 use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::paper_series::{AreaOptics, LayerOptics};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, Guide};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
@@ -106,16 +106,18 @@ impl PrintTask<'_> {
         notes
     }
 
-    /// With what the wavelengths leave open of L*, a*, b*.
-    pub(super) fn between_wavelengths(&self, factors: &[f64]) -> [f64; 3] {
-        open_between(&self.eye, self.seen(factors))
+    /// What the wavelengths leave open of L*, a*, b* of a print with these factors; `films` are as
+    /// of [`Colorimeter::spacing_of_films`].
+    pub(super) fn between_wavelengths(&self, factors: &[f64], films: Option<&[Guide; 2]>) -> [f64; 3] {
+        open_between(&self.eye, self.seen(factors), films)
     }
 }
 
-/// What the wavelengths leave open of L*, a*, b* of a spectrum at those of the eye.
-pub(super) fn open_between(eye: &Colorimeter, seen: &[f64]) -> [f64; 3] {
+/// What the wavelengths leave open of L*, a*, b* of a spectrum at those of the eye; `films` are as
+/// of [`Colorimeter::spacing_of_films`].
+pub(super) fn open_between(eye: &Colorimeter, seen: &[f64], films: Option<&[Guide; 2]>) -> [f64; 3] {
     let Ok(xyz) = eye.xyz(seen) else { return [0.0; 3] };
-    let mut shifts = eye.spacing(seen, xyz, None);
+    let mut shifts = eye.spacing_of_films(seen, xyz, films);
     shifts.extend(eye.beyond(seen, xyz));
     std::array::from_fn(|c| shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c])))
 }
@@ -149,7 +151,7 @@ pub(super) fn ink_prints(
     let coarse = task.coarsely_excited(&unmoved);
     let mut bars = Vec::new();
     for (k, print) in whole.iter().enumerate() {
-        let open = task.between_wavelengths(&print.factors);
+        let open = task.between_wavelengths(&print.factors, None);
         let excited = |get: &dyn Fn(&PrintNumbers<f64>) -> f64| {
             coarse.as_ref().map_or(0.0, |coarse| (get(&coarse[k]) - get(print)) / 3.0)
         };

@@ -1,11 +1,11 @@
 //! Reads a study file and checks it.
 
 use super::check::{check, check_packing};
-use super::fault::{Fault, StudyError};
+use super::fault::{Fault, StudyError, SyntaxFault};
 use super::file::StudyFile;
 use super::read::{read, without_control_characters};
 use super::study::Study;
-use super::tree::parse_toml;
+use super::tree::{Node, parse_json, parse_toml};
 use crate::numerics::files;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -74,9 +74,25 @@ pub fn stem(path: &Path) -> String {
 /// # Errors
 /// The file cannot be read, is not TOML, has unknown or missing keys, or values of the wrong type.
 pub fn read_file<T: DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
+    read_parsed(path, |text| parse_toml(text).map(Node::from))
+}
+
+/// Reads a file of TOML, or of JSON if its name ends so.
+///
+/// # Errors
+/// As of [`read_file`].
+pub fn read_toml_or_json<T: DeserializeOwned>(path: &Path) -> Result<T, StudyError> {
+    let is_json = path.extension().is_some_and(|ending| ending == "json");
+    if is_json { read_parsed(path, parse_json) } else { read_file(path) }.map(|(_, value)| value)
+}
+
+fn read_parsed<T: DeserializeOwned>(
+    path: &Path,
+    parse: impl FnOnce(&str) -> Result<Node, SyntaxFault>,
+) -> Result<(String, T), StudyError> {
     let text = files::read_text(path, files::STUDY)
         .map_err(|source| StudyError::Unreadable { path: path.to_owned(), source })?;
-    match read(parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?.into()) {
+    match read(parse(&text).map_err(|fault| fault.in_file(path, &text))?) {
         Ok(value) => Ok((text, value)),
         Err(faults) => Err(StudyError::Values { path: path.to_owned(), text, faults }),
     }

@@ -231,3 +231,42 @@ accuracy = 5e-2
         assert!(apart < most, "{name}: {apart}");
     }
 }
+
+/// Tints of a clear film whose fringes are as far apart as the wavelengths: the bars of the solid and of the half-tone hold what
+/// the sum over these misses of colours known at every nanometre. *Planted*: tints without the films between the wavelengths.
+#[test]
+fn tints_hold_what_fringes_do_between_the_wavelengths() {
+    let listed: Vec<f64> = (0..16).map(|k| 400.0 + 20.0 * f64::from(k)).collect();
+    let dots = "[dots]\nruling_per_cm = 60\nspread_um = 0\n[[area]]\ncoverage = [0.5]\n[light]";
+    let text = CLEAR
+        .replace("[2, 5.3, 128, 300.7]", "[5.3]")
+        .replace("albedo = 0.9", "albedo = 0.1")
+        .replace("[light]", dots)
+        .replace("[450, 550, 650]", &format!("{listed:?}"));
+    let scratch = tempfile::tempdir().unwrap();
+    let file = study(scratch.path(), &text);
+    let output = scratch.path().join("out");
+    succeed(&file, &output, &[]);
+    let results = results(&output);
+    let fine: Vec<f64> = (0..301).map(|k| 400.0 + f64::from(k)).collect();
+    let eye = Colorimeter::new(&fine).unwrap();
+    let mut largest = 0.0_f64;
+    for print in results["prints"]["prints"].as_array().expect("prints") {
+        let coverage = value(print, "coverage");
+        let factor = |nm: &f64| {
+            let entered = 1.0 - airy(5.3, 1e-3 * nm, 1.0, 0.5_f64.sqrt());
+            let leaves = 1.0 - airy_of_diffuse(5.3, 1e-3 * nm, 1.0);
+            let returned = 0.1 / (1.0 - 0.1 * (1.0 - leaves)) * (1.0 - airy(5.3, 1e-3 * nm, 1.0, 0.0));
+            coverage * entered * returned + (1.0 - coverage) * 0.1
+        };
+        let truth = eye.colour(&fine.iter().map(factor).collect::<Vec<f64>>()).unwrap();
+        for (found, wanted) in print["lab"].as_array().expect("L*, a*, b*").iter().zip(truth.lab) {
+            let apart = (value(found, "value") - wanted).abs();
+            // twice a standard error, and the paper's own L* to the digits of the two sums
+            assert!(apart < 2.0 * value(found, "standard_error") + 0.01, "{coverage}: {found} {wanted}");
+            largest = largest.max(apart);
+        }
+    }
+    // many times the 0.06 to 0.5 that smooth spectra leave open
+    assert!(largest > 0.5, "{largest}");
+}

@@ -84,7 +84,12 @@ fn compositions_that_do_not_fit_are_refused() {
             "found rows from 3000 to 8000 nm; allowed two or more rows [nm, albedo], rising, from 420 to",
         ),
         ("layers = [{ plate = 'red' }]\nilluminant = 'F99'", "F99"),
-        ("layers = [{ plate = 'red' }]\ncolour = 1", "colour"),
+        ("layers = [{ plate = 'red' }]\ncolour = 1", "colour: found an unknown key"),
+        (
+            "layers = [{ plate = 'red' }]\npaper.contact = 'yes'",
+            "paper.contact: found \"yes\"; allowed: true or false",
+        ),
+        ("layers = [{ plate = 7 }]", "layers[0].plate: found 7; allowed: a string"),
         ("layers = [{ plate = 'red', coverage = 0.5 }]", "layers[0].coverage: found one without a screen"),
         (
             "layers = [{ plate = 'red', coverage = 0.5 }]\ndots = { coverage = 0.5, ruling_per_cm = 60, spread_um = 0 }",

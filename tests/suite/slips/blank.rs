@@ -25,6 +25,11 @@ pub const BLANK: &[Slip] = &[
         ["pigment[0].profile: found an empty list", "[depth, share]", "profile = [[0, 0.1], [1, 0.3]]", ""],
     ),
     slip(
+        "volume_fraction = 0.15",
+        "profile = [[0, 0], [1, 0]]",
+        ["pigment[0].profile: found 0 at every depth", "above 0", "raise one, or remove the pigment", ""],
+    ),
+    slip(
         "[angles]",
         "[paper]\nalbedo = []\n[angles]",
         [

@@ -73,8 +73,21 @@ impl Colorimeter {
         self.spacing_xyz(values, guide).iter().fold(0.0, |sum, by| sum.hypot(by[1]))
     }
 
+    /// [`Colorimeter::spacing`] of a spectrum with fringes, which are those of the first of these
+    /// films, and what the grid misses of them; the second one is a quarter of a fringe away.
+    pub fn spacing_of_films(
+        &self,
+        values: &[f64],
+        xyz: [f64; 3],
+        films: Option<&[Guide; 2]>,
+    ) -> Vec<[f64; 3]> {
+        let mut shifts = self.spacing(values, xyz, films.map(|[film, _]| film));
+        shifts.extend(films.map(|[_, quarter]| self.missed(xyz, quarter)));
+        shifts
+    }
+
     /// Shift of Lab by what the grid misses of a spectrum that is known between its wavelengths.
-    pub fn missed(&self, xyz: [f64; 3], guide: &Guide) -> [f64; 3] {
+    fn missed(&self, xyz: [f64; 3], guide: &Guide) -> [f64; 3] {
         let by = self.missed_xyz(guide);
         self.lab_moved(xyz, std::array::from_fn(|c| by[c].max(-xyz[c])))
     }

@@ -11,6 +11,19 @@ pub(crate) struct DepthLaw {
     mean: f64,
 }
 
+/// Volume fraction of all grains at the depth where they are densest: of pigments with these shares
+/// of the layer, each with its law, or even.
+pub(crate) fn densest(laws: &[Option<DepthLaw>], fractions: &[f64]) -> f64 {
+    let at = |depth: f64| {
+        let local = |(law, fraction): (&Option<DepthLaw>, &f64)| {
+            fraction * law.as_ref().map_or(1.0, |law| law.density(depth))
+        };
+        laws.iter().zip(fractions).map(local).sum::<f64>()
+    };
+    let ends = laws.iter().flatten().flat_map(DepthLaw::ends);
+    std::iter::once(0.5).chain(ends).map(at).fold(0.0, f64::max)
+}
+
 /// Distance to either side of a row at which a step of the density is looked at.
 const BESIDE: f64 = 1e-9;
 

@@ -6,7 +6,8 @@
 //! window, in turns, have the mean of the layer (the grand-canonical ensemble in place of the
 //! canonical one; the mode k = 0 that the lattice of a periodic cell leaves out).
 
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, PigmentGrains};
+use super::depth::{DepthLaw, densest};
+use super::request::{AUTO_LIMIT, FCC, MethodChoice, PackingRequest, PigmentGrains};
 use std::f64::consts::PI;
 
 /// Exponent of 1 − φ in the structure factor at k = 0 after random sequential addition. Measured in
@@ -65,13 +66,20 @@ impl PackingRequest {
         let bodies: Vec<PigmentInWindow> = self.pigments.iter().map(|p| self.bodies(p)).collect();
         let factor = cholesky(&relative_covariance(&bodies, self.structure_factor(&bodies)));
         let part = self.packable(&bodies, &factor);
-        let usual = self.pigments.iter().map(|p| p.volume_fraction).sum();
-        let mut moved = Self { usual_fraction: Some(usual), ..self.clone() };
+        let mut moved = Self { usual_fraction: Some(self.usual_fraction()), ..self.clone() };
         for (i, pigment) in moved.pigments.iter_mut().enumerate() {
             let by = part * factor[i].iter().zip(signs).map(|(l, sign)| l * sign).sum::<f64>();
             pigment.volume_fraction *= 1.0 + self.whole(pigment, by);
         }
         moved
+    }
+
+    /// Volume fraction of all grains, at the depth where they are densest, by which the method is
+    /// chosen.
+    pub(super) fn usual_fraction(&self) -> f64 {
+        let laws: Vec<Option<DepthLaw>> = self.pigments.iter().map(|p| DepthLaw::of(&p.profile)).collect();
+        let fractions: Vec<f64> = self.pigments.iter().map(|p| p.volume_fraction).collect();
+        self.usual_fraction.unwrap_or_else(|| densest(&laws, &fractions).min(FCC))
     }
 
     /// Volume that grains may take, µm³.

@@ -120,9 +120,8 @@ fn suited(plan: &PackingPlan) -> Method {
     let spheres = plan.bodies.iter().flat_map(|body| &body.spheres);
     let widest = spheres.map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
     // Grains of a profile are where it is densest as crowded as an even layer of that share.
-    let mean = plan.whole().fraction;
-    let crowded = if plan.has_profiles() { (plan.densest() / mean).max(1.0) } else { 1.0 };
-    let fraction = plan.request.usual_fraction.unwrap_or(mean) * crowded;
+    let own = || if plan.has_profiles() { plan.densest() } else { plan.whole().fraction };
+    let fraction = plan.request.usual_fraction.unwrap_or_else(own);
     let crowding = plan.request.accessible(fraction, widest);
     if crowding <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }

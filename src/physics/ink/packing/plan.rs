@@ -1,7 +1,7 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::cell::CellBox;
-use super::depth::DepthLaw;
+use super::depth::{DepthLaw, densest};
 use crate::ink::Template;
 use crate::ink::error::{PackError, PackProgress, Reached};
 use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
@@ -104,15 +104,8 @@ impl<'r> PackingPlan<'r> {
 
     /// Volume fraction of all grains at the depth where they are densest.
     pub fn densest(&self) -> f64 {
-        let ends = |law: &DepthLaw| law.ends().collect::<Vec<_>>();
-        let pigments = || self.depths.iter().zip(&self.shares);
-        let at = |depth: f64| {
-            let local = |(law, share): (&Option<DepthLaw>, &Share)| {
-                share.achieved_fraction * law.as_ref().map_or(1.0, |law| law.density(depth))
-            };
-            pigments().map(local).sum::<f64>()
-        };
-        self.depths.iter().flatten().flat_map(ends).map(at).fold(0.0, f64::max)
+        let fractions: Vec<f64> = self.shares.iter().map(|share| share.achieved_fraction).collect();
+        densest(&self.depths, &fractions)
     }
 
     /// A random rotation of body b, in its field if it has one.

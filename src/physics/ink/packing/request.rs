@@ -49,8 +49,9 @@ pub struct PackingRequest {
     /// Heights between which the packing is the layer, µm: grains across them are cut.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub cut_um: Option<[f64; 2]>,
-    /// Volume fraction of all grains by which [`MethodChoice::Auto`] chooses, if not this cell's
-    /// own: cells of one layer that hold more or less than it are packed alike.
+    /// Volume fraction of all grains, at the depth where they are densest, by which
+    /// [`MethodChoice::Auto`] chooses, if not this cell's own: cells of one layer that hold more or
+    /// less than it are packed alike.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub usual_fraction: Option<f64>,
     /// The layers of a stack, in the order of the light, each with its own grains, places and
@@ -155,4 +156,4 @@ pub(super) fn are_lengths(sides: [f64; 3]) -> bool {
 }
 
 /// Volume fraction of the densest sphere packing, π/√18.
-const FCC: f64 = 0.740_480_489_693_061;
+pub(super) const FCC: f64 = 0.740_480_489_693_061;

@@ -19,16 +19,12 @@ pub(super) fn in_layer(error: PackError, i: usize) -> PackError {
 pub(super) fn joined(group: &[StackedRequest]) -> PackingRequest {
     let thickness_um = group.iter().map(|layer| layer.request.thickness_um).sum::<f64>();
     let relief = group.iter().find_map(|layer| layer.request.relief);
-    let usual = group.iter().map(|layer| {
-        let request = &layer.request;
-        let own = request.pigments.iter().map(|pigment| pigment.volume_fraction).sum();
-        request.usual_fraction.unwrap_or(own) * request.thickness_um / thickness_um
-    });
+    let usual = group.iter().map(|layer| layer.request.usual_fraction());
     let mut whole = PackingRequest {
         thickness_um,
         pigments: Vec::new(),
         relief,
-        usual_fraction: Some(usual.sum()),
+        usual_fraction: Some(usual.fold(0.0, f64::max)),
         ..group[0].request.clone()
     };
     let window_um3 = whole.window_um3();
@@ -229,6 +225,25 @@ mod tests {
             // significance of a difference of two counts
             assert!((one - two).abs() < 4.0 * (one + two).sqrt(), "{whole:?} {joined:?}");
         }
+    }
+
+    /// Layers with an open joint, one of which holds more than usual and one less, are packed as the
+    /// layers usually are. *Planted*: the method chosen by the share of the fuller one.
+    #[test]
+    fn fuller_layers_with_open_joints_are_packed_as_usual() {
+        let mut request = request();
+        request.layers.remove(1);
+        request.thickness_um = 1.0;
+        request.layers[0].joint = Joint::Open;
+        for (layer, by) in request.layers.iter_mut().zip([1.2, 0.8]) {
+            let usual = PigmentGrains::spheres(160.0, 0.2);
+            layer.request.thickness_um = 0.5;
+            layer.request.usual_fraction = Some(0.2);
+            layer.request.pigments = vec![PigmentGrains { volume_fraction: 0.2 * by, ..usual }];
+        }
+        request.pigments = request.layers.iter().map(|layer| layer.request.pigments[0].clone()).collect();
+        let packing = pack(&request, &mut ()).expect("a packing");
+        assert_eq!(packing.account().method, Method::SequentialAddition);
     }
 
     /// Grains stay in their layers, numbered through, and the profile holds them there. *Planted*:

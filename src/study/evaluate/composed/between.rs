@@ -163,6 +163,11 @@ impl Swings {
 }
 
 impl Fringes {
+    /// Of a print at 45:0 of which the layers cover this share: of the solid's fringes that share.
+    pub fn of_print(&self, seen: Range<usize>, share: f64) -> [Guide; 2] {
+        self.guides(seen, |row| share * row.lit_at_45)
+    }
+
     /// Of a spectrum at some of the wavelengths, for films a quarter of a fringe apart.
     pub fn guides(&self, seen: Range<usize>, spectrum: impl Fn(&LayerNumbers<f64>) -> f64) -> [Guide; 2] {
         let listed_nm = &self.wavelengths_nm[seen.clone()];

@@ -12,7 +12,7 @@
 mod dots;
 mod paper;
 
-use super::between::{FilmLayer, FilmStack};
+use super::between::{FilmLayer, FilmStack, Fringes};
 use super::errors::judged;
 use super::gate::{LayerInColour, rows};
 use super::layer::ComposedLayer;
@@ -160,12 +160,12 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     let fluoresces = task.light.is_some();
     let mut withheld = rows(&mut kept, fluoresces);
     let mut colours = None;
+    let values: Vec<LayerNumbers<f64>> =
+        layer.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+    let fringes = task.films().fringes(&library.wavelengths_nm, &values);
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
         let paper = task.paper;
-        let values: Vec<LayerNumbers<f64>> =
-            layer.spectra.iter().map(|row| row.map(|number| number.value)).collect();
-        let fringes = task.films().fringes(&library.wavelengths_nm, &values);
         let in_colour = LayerInColour {
             eye,
             all: &all[seen.clone()],
@@ -178,7 +178,8 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
         colours = Some(found);
         withheld.extend(without);
     }
-    let dots = layer.prints.into_iter().next().map(|print| task.between_wavelengths(print));
+    let print = layer.prints.into_iter().next();
+    let dots = print.map(|print| task.between_wavelengths(print, fringes.as_ref()));
     let scalar_surface = task.scalar_surface();
     let composition = composition.clone();
     Ok(ComposedStack { composition, thickness_um, spectra: kept, colours, dots, withheld, scalar_surface })
@@ -327,10 +328,17 @@ impl<'a> CompositionTask<'a> {
     }
 
     /// A print with what the wavelengths leave open of its L*, a*, b*.
-    fn between_wavelengths(&self, print: PrintNumbers<ErrorParts>) -> PrintNumbers<ErrorParts> {
+    fn between_wavelengths(
+        &self,
+        print: PrintNumbers<ErrorParts>,
+        fringes: Option<&Fringes>,
+    ) -> PrintNumbers<ErrorParts> {
         let Some(eye) = &self.eye else { return print };
+        let seen = visible(&self.library.wavelengths_nm);
+        let inked = self.areas.as_ref().map_or(1.0, KindsOfArea::inked);
+        let films = fringes.map(|fringes| fringes.of_print(seen.clone(), inked));
         let factors: Vec<f64> = print.factors.iter().map(|factor| factor.value).collect();
-        let mut open = open_between(eye, &factors[visible(&self.library.wavelengths_nm)]);
+        let mut open = open_between(eye, &factors[seen], films.as_ref());
         open.iter_mut().zip(self.paper).for_each(|(open, paper)| *open = open.hypot(paper));
         let mut lab = print.lab;
         for (lab, wavelengths) in lab.iter_mut().zip(open) {

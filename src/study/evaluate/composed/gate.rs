@@ -175,14 +175,8 @@ impl LayerInColour<'_> {
         let values = self.values(spectrum);
         let factors = self.eye.xyz(&values).map_err(|error| error.to_string())?;
         let colour = self.eye.colour_of(std::array::from_fn(|c| factors[c] + paper.beyond[c]));
-        let mut shifts = match self.guides(spectrum) {
-            Some([film, quarter]) => {
-                let mut shifts = self.eye.spacing(&values, colour.xyz, Some(&film));
-                shifts.push(self.eye.missed(colour.xyz, &quarter));
-                shifts
-            }
-            None => self.eye.spacing(&values, colour.xyz, None),
-        };
+        let films = self.guides(spectrum);
+        let mut shifts = self.eye.spacing_of_films(&values, colour.xyz, films.as_ref());
         shifts.extend(self.eye.beyond(&values, colour.xyz));
         shifts.push(paper.open);
         let lab: Lab<ErrorParts> = std::array::from_fn(|c| {

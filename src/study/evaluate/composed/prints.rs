@@ -7,7 +7,7 @@ use crate::appearance::paper_series::AreaOptics;
 use crate::evaluate::printed::{Prints, beside};
 use crate::evaluate::prints::{PrintNumbers, PrintTask};
 use crate::evaluate::published::ErrorParts;
-use crate::evaluate::quantities::ThicknessNumbers;
+use crate::evaluate::quantities::{LayerNumbers, ThicknessNumbers};
 use crate::numerics::estimate::Estimate;
 
 /// The prints of layers of some thicknesses, µm, whose numbers have their bars; `None` where there
@@ -22,12 +22,17 @@ pub(super) fn prints(
     let mut prints = Vec::new();
     for (um, layer) in layers {
         let beside = of_others(task, || of_layer.optics(level, Change::default(), *um));
+        let rows: Vec<LayerNumbers<f64>> =
+            layer.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        let fringes = of_layer.films(*um).fringes(&of_layer.study.wavelengths_nm, &rows);
         let mut plain: Vec<PrintNumbers<f64>> = Vec::new();
         let mut bars: Vec<PrintNumbers<Estimate>> = Vec::new();
         for (k, print) in layer.prints.iter().enumerate() {
             let values = print.clone().map(&|parts: ErrorParts| parts.value);
             let mut estimates = print.clone().map(&|parts: ErrorParts| parts.estimate());
-            let open = task.between_wavelengths(&values.factors);
+            let share = task.prints[k].share_of_layer();
+            let films = fringes.as_ref().map(|fringes| fringes.of_print(of_layer.visible.clone(), share));
+            let open = task.between_wavelengths(&values.factors, films.as_ref());
             let paper = task.open_of_paper(k);
             for (c, lab) in estimates.lab.iter_mut().enumerate() {
                 let beside = open[c].hypot(paper[c]);

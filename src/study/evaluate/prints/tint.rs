@@ -29,6 +29,13 @@ pub struct PrintedTint {
     pub shares: Vec<f64>,
 }
 
+impl PrintedTint {
+    /// Share of the area that bears this study's layer.
+    pub fn share_of_layer(&self) -> f64 {
+        self.shares.first().copied().unwrap_or(self.coverage)
+    }
+}
+
 /// The nominal coverage of an ink.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InkCoverage {

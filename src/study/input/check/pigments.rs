@@ -139,6 +139,10 @@ pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
             faults.add(field("profile"), share, allowed, remedy);
             // one fault is enough
             table.volume_fraction = Some(PLACEHOLDER_SHARE);
+        } else if is_list && is_rising && mean == 0.0 {
+            let allowed = "a share above 0 at one depth or more";
+            faults.add(field("profile"), "0 at every depth", allowed, "raise one, or remove the pigment");
+            table.volume_fraction = Some(PLACEHOLDER_SHARE);
         }
     }
 }

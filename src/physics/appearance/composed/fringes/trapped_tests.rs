@@ -248,7 +248,7 @@ fn a_layer_on_its_paper_absorbs_what_its_film_does() {
         (Complex64::new(1.56, 0.01), 1.56, 1.45, 0.4, 2),
         (Complex64::new(1.56, 0.01), 1.56, 1.45, 0.4, 5),
         (Complex64::new(1.53, 0.02), 1.54, 1.5, 0.3, 3),
-        (Complex64::new(1.5, 0.06), (1.5_f64.powi(2) - 0.06_f64.powi(2)).sqrt(), 1.5, 0.2, 5),
+        (Complex64::new(1.5, 0.06), (1.5_f64.powi(2) - 0.06_f64.powi(2)).sqrt(), 1.45, 0.2, 5),
     ];
     for (index, within, paper, slab_um, count) in cases {
         for (polarisation, light) in [Polarisation::S, Polarisation::P].into_iter().enumerate() {
@@ -305,8 +305,7 @@ fn a_layer_on_its_paper_absorbs_what_its_film_does() {
             let change = interference.change_of_diffuse();
             let found = 1.0 - few / square - change.reflected - change.transmitted;
             // polynomials between three directions of light that passes
-            eprintln!("{index} {paper} {count} {light:?}: {found} {want}");
-            assert!((found - want).abs() < 2e-3, "{index} {paper} {count} {light:?}: {found} {want}");
+            assert!((found - want).abs() < 2e-4, "{index} {paper} {count} {light:?}: {found} {want}");
         }
     }
 }

@@ -35,6 +35,14 @@ pub(super) struct KindsOfArea {
     pub inks: usize,
 }
 
+impl KindsOfArea {
+    /// Share of the area that bears any layer.
+    pub(super) fn inked(&self) -> f64 {
+        let borne = self.kinds.iter().zip(&self.mix.shares).filter(|(layers, _)| !layers.is_empty());
+        borne.map(|(_, share)| share).sum()
+    }
+}
+
 impl CompositionDots {
     /// The kinds of area of a print of these layers.
     ///
