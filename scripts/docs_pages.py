@@ -20,6 +20,7 @@ KINDS = [
     ("design", "Design", "What `inkwave design` reads: a target colour, and the fields that may vary."),
     ("compare", "Comparison", "What `inkwave compare` reads."),
     ("case", "Case", "What `inkwave solve` reads: one explicit geometry."),
+    ("composition", "Composition", "What `inkwave compose` reads: plates of a library, stacked on paper."),
 ]
 
 KEYS_HEAD = f"""# Every key
@@ -29,8 +30,9 @@ KEYS_HEAD = f"""# Every key
 Keys of all input files, made from the [schemas](../schema), which editors read for completion. `[a]` is a table of a TOML file, `[[a]]` may be
 there several times, `a.b` is the key b in the table a. Keys without "must be given" may be left out. The same keys with an example value each:
 [studies](../examples/every-key.toml), [sweeps](../examples/every-key-sweep.toml), [fits](../examples/fit/every-key.toml),
-[designs](../examples/design/every-key.toml), [comparisons](../examples/every-key-compare.toml), [cases](../examples/every-key-case.toml), or
-`inkwave schema KIND --annotated`.
+[designs](../examples/design/every-key.toml), [comparisons](../examples/every-key-compare.toml), [cases](../examples/every-key-case.toml),
+[compositions](../examples/library/every-key.toml), or `inkwave schema KIND --annotated`. Libraries, which programs write:
+[library.md](../schema/library.md).
 """
 
 COLUMNS_HEAD = f"""# Every column
@@ -39,7 +41,9 @@ COLUMNS_HEAD = f"""# Every column
 
 Columns of all tables, made from the program's own list (`inkwave schema columns`); `datapackage.json` in a folder describes those that its
 tables have. `…_standard_error` is one standard error of the column `…`, `…_half_width_95` half the width of its 95 % interval. Sweeps add a column
-for every axis. Shares, ratios and words have no unit; a name that means one thing in some tables alone names them.
+for every axis. Shares, ratios and words have no unit; a name that means one thing in some tables alone names them. Folders of `pack` and
+`compare` have no `datapackage.json`. The curves of `pack`, such as `pair_correlation.csv`, have headings in words with their units, which are not in
+the list.
 """
 
 

@@ -5,10 +5,17 @@
 mod commands;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use std::sync::LazyLock;
+
+/// What identifies the program that made a result: version, commit and method.
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let build = env!("INKWAVE_BUILD").trim_start_matches("inkwave ");
+    format!("{build}, method {}", inkwave::store::identity::METHOD_VERSION)
+});
 
 /// Predict what a printer-ink or paint layer looks like before it exists
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, long_version = VERSION.as_str(), about)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

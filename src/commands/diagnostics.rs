@@ -49,6 +49,12 @@ pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
         return study_report(error);
     };
     let is_json = path.extension().is_some_and(|e| e == "json");
+    if is_json && is_study_in_json(text) {
+        let help = "write it as TOML: `inkwave schema study --annotated` shows the form";
+        return miette!(help = help, "{} is a study in JSON; allowed: a study in TOML", path.display());
+    }
+    // compositions may be JSON themselves
+    let passes_for_case = is_json && expected != "composition";
     let kinds =
         [STUDY_KEYS, ["measured", "fit"], ["vary", "target"], ["base", "axis"], ["wavelength", "inputs"]];
     let (found, command) = match kinds.map(|keys| has_one(text, keys)) {
@@ -56,7 +62,7 @@ pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
         [false, true, false, ..] => ("fit", "fit"),
         [false, false, true, ..] => ("design", "design"),
         [false, false, false, true, _] => ("sweep", "sweep"),
-        [false, false, false, false, is_case] if is_case || is_json => ("case", "solve"),
+        [false, false, false, false, is_case] if is_case || passes_for_case => ("case", "solve"),
         _ => return study_report(error),
     };
     if found == expected {
@@ -69,6 +75,11 @@ pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
 
 /// Tables that only studies have.
 const STUDY_KEYS: [&str; 2] = ["layer", "pigment"];
+
+fn is_study_in_json(text: &str) -> bool {
+    let parsed = serde_json::from_str::<serde_json::Value>(text);
+    parsed.is_ok_and(|json| STUDY_KEYS.iter().any(|key| json.get(key).is_some()))
+}
 
 fn has_one(text: &str, keys: [&str; 2]) -> bool {
     parse_toml(text).is_ok_and(|table| keys.iter().any(|key| table.contains_key(*key)))

@@ -1,7 +1,7 @@
 //! `inkwave library FOLDER…`: solved layers as plates. `inkwave compose FILE --library FILE`: a
 //! stack of them on paper, without a solve.
 
-use super::diagnostics::study_report;
+use super::diagnostics::mixed_up_report;
 use clap::Args;
 use inkwave::evaluate::composed::composition::{ComposedStack, Composition, compose as composed};
 use inkwave::evaluate::composed::library::Library;
@@ -10,6 +10,7 @@ use inkwave::library::gather::{GatherError, from_file, gather};
 use inkwave::library::page::page;
 use inkwave::numerics::allowed::brief;
 use inkwave::numerics::estimate::Estimate;
+use inkwave::store::safely;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 use std::path::{Path, PathBuf};
 
@@ -68,7 +69,8 @@ pub fn library(args: &LibraryArgs) -> Result<()> {
 /// Composes and prints the colours.
 pub fn compose(args: &ComposeArgs) -> Result<()> {
     let library = from_file(&args.library).map_err(refusal)?;
-    let composition: Composition = read_toml_or_json(&args.composition).map_err(study_report)?;
+    let composition: Composition =
+        read_toml_or_json(&args.composition).map_err(|error| mixed_up_report(error, "composition"))?;
     let found = composed(&library, &composition);
     let found = found.map_err(|reason| {
         let plates: Vec<&str> = library.plates.iter().map(|plate| plate.name.as_str()).collect();
@@ -117,7 +119,7 @@ fn tell(library: &Library, found: &ComposedStack) -> Result<()> {
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text).into_diagnostic().wrap_err_with(|| path.display().to_string())
+    safely::write(path, text.as_bytes()).into_diagnostic().wrap_err_with(|| path.display().to_string())
 }
 
 fn refusal(error: GatherError) -> miette::Report {

@@ -1,6 +1,6 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
-use super::diagnostics::{folder_report, study_report};
+use super::diagnostics::{folder_report, mixed_up_report};
 use super::progress::style;
 use super::terminal::{StopFlag, note};
 use super::work::opened;
@@ -38,7 +38,7 @@ pub struct PackArgs {
 
 /// Reads the study, packs every realisation, writes the report.
 pub fn run(args: &PackArgs) -> Result<()> {
-    let mut study = load_packing(&args.study).map_err(study_report)?;
+    let mut study = load_packing(&args.study).map_err(|error| mixed_up_report(error, "study"))?;
     study.remarks.iter().for_each(note);
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);

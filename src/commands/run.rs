@@ -17,6 +17,7 @@ use inkwave::report::publish::{PublishError, Published, evaluate_and_publish};
 use inkwave::run::{RunSettings, Stores};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
+use inkwave::store::safely;
 use inkwave::work::alone::{RanStudy, run_any_study, stored};
 use inkwave::work::plan::by_size;
 use inkwave::work::variant::of_one;
@@ -73,7 +74,8 @@ pub fn run(args: &RunArgs) -> Result<()> {
     }
     if let Some(file) = &args.library {
         let file = file.clone().unwrap_or_else(|| folder.path().join(OWN_LIBRARY));
-        return keep_plates(&study, &solved, &file, progress.stopped());
+        keep_plates(&study, &solved, &file, progress.stopped())?;
+        return folder.complete().into_diagnostic();
     }
     note!("evaluating the layer: numbers, error bars and pictures");
     let published = match evaluate_and_publish(&study, &solved, &folder) {
@@ -98,7 +100,7 @@ fn keep_plates(study: &Study, solved: &FinishedSolves, file: &Path, stopped: boo
     }
     let library = of_solves(study, solved).map_err(|reason| miette!("{}: {reason}", study.title))?;
     let text = serde_json::to_string(&library).into_diagnostic()?;
-    std::fs::write(file, text).into_diagnostic().wrap_err_with(|| file.display().to_string())?;
+    safely::write(file, text.as_bytes()).into_diagnostic().wrap_err_with(|| file.display().to_string())?;
     for plate in &library.plates {
         say!(
             "{}: {} µm between half-spaces of index {}",

@@ -23,11 +23,12 @@ use serde::{Deserialize, Serialize};
 pub struct DesignFile {
     /// Heading of the page; the file's name when left out.
     pub title: Option<String>,
-    /// The study of all recipes; what varies is set in it.
+    /// The study of all recipes, a file or a table `[base]`: what varies is set in it, and may be
+    /// left out.
     pub base: Base,
     /// The colour and the numbers wanted.
     pub target: TargetTable,
-    /// What may vary.
+    /// What may vary: one to five fields or ratios, each with its range.
     #[serde(default)]
     pub vary: Vec<VaryTable>,
     /// How the recipes are sought.
@@ -40,7 +41,8 @@ pub struct DesignFile {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TargetTable {
-    /// L*, a*, b* under the light and for the observer of the base's `[colour]`.
+    /// L*, a*, b* under the light and for the observer of the base's `[colour]`: L* from 0 to 150,
+    /// a* and b* from -300 to 300.
     #[schemars(example = (85, -10, 80))]
     pub lab: Option<[f64; 3]>,
     /// A spectrum or a colour, relative to this file, in any format of a study's
@@ -102,11 +104,15 @@ pub struct VaryTable {
 #[serde(deny_unknown_fields, default)]
 pub struct DesignTable {
     /// Largest ΔE₀₀ to the target colour that is near enough.
+    #[schemars(range(min = 0.05, max = 20.0))]
     pub delta_e: f64,
-    /// Variants of the base that the surfaces rest on; as many as they need when left out, and one
-    /// where nothing is interpolated.
+    /// Variants of the base that the surfaces rest on: as many as they need when left out, and one
+    /// where nothing is interpolated. Of one interpolated field 6 to 1000 are allowed, of two to
+    /// five at least 10, 15, 21 and 28.
+    #[schemars(range(min = 1))]
     pub variants: Option<usize>,
     /// Largest number of verifying runs.
+    #[schemars(range(min = 1, max = 50))]
     pub verifications: usize,
     /// Realisations of a verifying run; those of the base when left out.
     pub realisations: Option<usize>,

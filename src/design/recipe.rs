@@ -215,6 +215,7 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     }
     faults.title(file.title.as_deref());
     let variables = variables(&file.vary, &mut faults);
+    check_twice(&base, &file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
     let settings = file.design.clone();
@@ -294,6 +295,26 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
         all.push(Variable { name, written: table.clone(), composed, listed, logarithmic });
     }
     all
+}
+
+/// Reports a field that varies twice, under whatever names: set to a value that no field has, both
+/// give one study.
+fn check_twice(base: &Table, vary: &[VaryTable], faults: &mut Faults) {
+    const UNUSED: f64 = 0.387_420_489;
+    let with = |table: &VaryTable| {
+        let mut study = base.clone();
+        set(&mut study, table.field.as_ref()?, &Value::Float(UNUSED)).ok().map(|()| study)
+    };
+    for (i, table) in vary.iter().enumerate() {
+        let here = with(table);
+        let is_alike = |other: &&VaryTable| here.is_some() && with(other) == here;
+        if let Some(other) = vary[..i].iter().find(is_alike) {
+            let names = [table, other].map(|table| table.field.clone().unwrap_or_default());
+            let found = format!("{:?} beside {:?}", names[0], names[1]);
+            let allowed = "every field once";
+            faults.add(format!("vary[{i}].field"), found, allowed, "remove one of the two");
+        }
+    }
 }
 
 /// Whether a field belongs to what a solid is printed with: neither to its dots nor to how it is

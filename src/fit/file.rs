@@ -30,7 +30,8 @@ use std::collections::BTreeMap;
 pub struct FitFile {
     /// Heading of the page; the file's name when left out.
     pub title: Option<String>,
-    /// The study of the drawdowns: all but the pigment's index is known.
+    /// The study of the drawdowns, a file or a table `[base]`: all but the fitted pigment's index
+    /// is known, which may be left out.
     pub base: Base,
     /// The spectra measured.
     #[serde(default)]
@@ -120,12 +121,15 @@ impl MeasuredTable {
 pub struct FaceTable {
     /// Light that a matt or dusty face scatters into the instrument, added to the reflectance
     /// factor; 0.01 to 0.02 are usual.
+    #[schemars(range(min = 0.0, max = 0.2))]
     pub light: Option<f64>,
     /// Saunderson's share of light that the face sends back from outside. It is in the reading
     /// where specular light is included.
+    #[schemars(range(min = 0.0, max = 0.2))]
     pub k1: Option<f64>,
     /// Saunderson's share of diffuse light that the face sends back from inside; with `k1` it takes
     /// the place of the smooth face of the binder's index.
+    #[schemars(range(min = 0.0, max = 0.95))]
     pub k2: Option<f64>,
 }
 
@@ -223,6 +227,7 @@ pub struct FitTable {
     /// What the index is expected to be like.
     pub prior: PriorName,
     /// Standard deviation of every measured reflectance factor.
+    #[schemars(range(min = 1e-5, max = 0.1))]
     pub noise: f64,
     /// What else is unknown.
     pub also: Vec<AlsoFitted>,
@@ -231,9 +236,11 @@ pub struct FitTable {
     pub known_n: Option<KnownN>,
     /// Densities of the pigments by their names, and of the dry `binder`, for `weights`.
     pub densities_g_per_cm3: BTreeMap<String, f64>,
-    /// Range of n searched; the result says where fitted values go beyond it.
+    /// Range of n searched, from and to; the result says where fitted values go beyond it.
+    #[schemars(inner(range(min = 1.0, max = 4.0)))]
     pub n: [f64; 2],
-    /// Range of κ searched; the result says where fitted values go beyond it.
+    /// Range of κ searched, from and to; the result says where fitted values go beyond it.
+    #[schemars(inner(range(min = 0.0, max = 4.0)))]
     pub kappa: [f64; 2],
 }
 

@@ -260,6 +260,8 @@ fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
     one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
     let ratio = design("field = \"pigment[0].volume_fraction\"", "ratio = [\"a\", \"a\"]");
     one_fault(&ratio, &["vary[0].ratio", "twice", "two pigments"]);
+    let again = "to = 0.3\n[[vary]]\nfield = \"pigment.a.volume_fraction\"\nfrom = 0.2\nto = 0.4";
+    one_fault(&design("to = 0.3", again), &["vary[1].field", "beside \"pigment[0]", "every field once"]);
 }
 
 #[test]

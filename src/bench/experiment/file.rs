@@ -108,7 +108,7 @@ pub struct GoalWritten {
     pub tolerance: Option<f64>,
     /// Most operator applications (each one inverse and one forward transform of every plane); 2000
     /// when left out.
-    #[schemars(example = 300)]
+    #[schemars(transform = limits::APPLICATIONS.mark(), example = 300)]
     pub max_applications: Option<usize>,
 }
 
@@ -122,8 +122,10 @@ fn strategy_names(_: &mut SchemaGenerator) -> Schema {
 #[serde(deny_unknown_fields)]
 pub struct Points {
     /// Points along x and y of one period.
+    #[schemars(range(min = 1, max = MOST_POINTS))]
     pub points: usize,
     /// Cells along z.
+    #[schemars(range(min = 1, max = MOST_POINTS))]
     pub cells: usize,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::wave::{Field, Resolution};
 use std::fmt;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 use thiserror::Error;
 
 /// Factor on the tolerance of a residual that breaks the balance of energy, and the smallest one.
@@ -192,6 +192,17 @@ impl SolveError {
     pub(super) fn setting(field: &'static str, value: impl ToString, allowed: &str, remedy: &str) -> Self {
         let value = value.to_string();
         SolveError::Setting { field, value, allowed: allowed.into(), remedy: remedy.into() }
+    }
+
+    /// Refuses the setting of a whole number that is not in a range.
+    pub(super) fn unless_within(
+        field: &'static str,
+        value: usize,
+        range: RangeInclusive<usize>,
+        remedy: &str,
+    ) -> Result<(), Self> {
+        let allowed = format!("a whole number from {} to {}", range.start(), range.end());
+        if range.contains(&value) { Ok(()) } else { Err(Self::setting(field, value, &allowed, remedy)) }
     }
 
     /// Account up to the failure, if there is one.

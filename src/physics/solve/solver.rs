@@ -48,6 +48,14 @@ pub trait Solver: Send + Sync {
     /// Name in tables and in [`Account::solver`](super::Account::solver).
     fn name(&self) -> &'static str;
 
+    /// Whether the settings are possible, whatever the problem.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`], with what is allowed.
+    fn check(&self) -> Result<(), SolveError> {
+        Ok(())
+    }
+
     /// Solves the ledger's problem to its goal, or fails with the reason. `start` is an optional
     /// initial guess of u.
     ///
@@ -56,7 +64,7 @@ pub trait Solver: Send + Sync {
     /// suit the problem.
     fn run(&self, ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError>;
 
-    /// Calls [`Solver::run`] with a new ledger.
+    /// Calls [`Solver::run`] with a new ledger, if the settings are possible.
     fn solve_from(
         &self,
         problem: &dyn System,
@@ -64,6 +72,7 @@ pub trait Solver: Send + Sync {
         goal: Goal,
         watch: &mut dyn Watch,
     ) -> Result<Solution, SolveError> {
+        self.check()?;
         self.run(Ledger::new(self.name(), problem, goal, watch), start)
     }
 

@@ -207,6 +207,12 @@ impl<'a> PrintTask<'a> {
         })
     }
 
+    /// The solid of this study's layer under the light of a print.
+    pub(super) fn solid_of(&self, print: usize) -> usize {
+        let each = self.prints.len() / self.lights.len();
+        print / each * each + each - 1
+    }
+
     /// What the paper leaves open of L*, a*, b* of a print of a composed layer.
     pub(super) fn open_of_paper(&self, print: usize) -> [f64; 3] {
         let each = self.prints.len() / self.lights.len();

@@ -14,9 +14,9 @@ use toml::Table;
 #[schemars(description = "")]
 #[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
 pub enum Base {
-    /// A study file, relative to the sweep file.
+    /// A study file, relative to this file.
     Path(String),
-    /// The study itself; what an axis sets may be left out.
+    /// The study itself; what this file sets in it may be left out.
     Table(#[schemars(schema_with = "base")] Table),
 }
 

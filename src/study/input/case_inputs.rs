@@ -51,14 +51,16 @@ pub struct CaseInputs {
     #[serde(rename = "H")]
     #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 1.0)]
     pub thickness: Option<f64>,
-    /// Index of the half-space z < 0.
+    /// Index of the half-space z < 0 (default: 1).
     pub n_in: Option<IndexInput>,
-    /// Index of the half-space z > H.
+    /// Index of the half-space z > H (default: 1).
     pub n_out: Option<IndexInput>,
-    /// Index of the incident side as [re, im]; called `eta_below` in published reference cases.
+    /// Index of the incident side as [re, im], instead of `n_in`; called `eta_below` in published
+    /// reference cases.
     #[serde(alias = "eta_below")]
     pub eta_in: Option<[f64; 2]>,
-    /// Index of the exit side as [re, im]; called `eta_above` in published reference cases.
+    /// Index of the exit side as [re, im], instead of `n_out`; called `eta_above` in published
+    /// reference cases.
     #[serde(alias = "eta_above")]
     pub eta_out: Option<[f64; 2]>,
     /// Index of the binder as [re, im].

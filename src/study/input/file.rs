@@ -247,7 +247,8 @@ pub struct ColourTable {
     pub observer: Option<String>,
     /// Summation: `"plain"` (default), or `"e308"` for the weights of ASTM E308.
     pub summation: Summation,
-    /// Target L*, a*, b* of the print under these conditions, at 45:0.
+    /// Target L*, a*, b* of the print under these conditions, at 45:0: L* from 0 to 150, a* and b*
+    /// from -300 to 300.
     #[schemars(transform = limits::Entries(limits::CHROMA), example = (85, -10, 80))]
     pub target_lab: Option<[f64; 3]>,
 }

@@ -39,7 +39,8 @@ pub(super) fn join(outer: &str, inner: &str) -> String {
     }
 }
 
-const FORM: &str = "write the value in that form; `inkwave schema KIND` describes every key of a file";
+const FORM: &str =
+    "write the value in that form; `inkwave schema` describes every key of a kind of file, such as study";
 
 /// What is found where a key is missing.
 const MISSING: &str = "nothing";
@@ -80,7 +81,7 @@ impl de::Error for Misfit {
             // older files lack it
             "by" => "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print"
                 .into(),
-            _ => format!("add {key}; `inkwave schema KIND` describes every key of a file"),
+            _ => format!("add {key}; `inkwave schema` describes every key of a kind of file, such as study"),
         };
         Self(Some(Fault::new(key, MISSING, "a value: it has no default", remedy)))
     }
@@ -111,7 +112,7 @@ fn in_words(kind: &str) -> String {
         "a boolean" => "true or false".into(),
         "a sequence" => "a list in brackets, such as [1, 2]".into(),
         other => {
-            if other.starts_with("struct ") {
+            if ["struct ", "internally tagged enum "].iter().any(|kind| other.starts_with(kind)) {
                 "a table".into()
             } else {
                 other.to_owned()
@@ -125,7 +126,8 @@ pub(super) fn quoted(names: &[&str]) -> String {
 }
 
 pub(super) fn unknown_key(place: &str, key: &str, known: KeyNames) -> Fault {
-    Fault::new(join(place, key), UNKNOWN_KEY, quoted(known), meant(key, known, "remove it"))
+    let allowed = if known.is_empty() { "no key here".to_owned() } else { quoted(known) };
+    Fault::new(join(place, key), UNKNOWN_KEY, allowed, meant(key, known, "remove it"))
 }
 
 /// Whether a key that is missing is the one that an unknown key beside it was meant to be.

@@ -146,8 +146,12 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
     Draft { name: if name.is_empty() { "study".into() } else { name }, place, study }
 }
 
-/// Keeps letters, digits, dots and underscores; replaces everything else by one underscore.
+/// Keeps letters, digits, dots and underscores; replaces everything else by one underscore. A minus
+/// becomes a word: a folder whose name begins with one would pass for an option.
 fn slug(label: &str) -> String {
+    if let Some(number) = label.strip_prefix('-').filter(|number| number.parse::<f64>().is_ok()) {
+        return format!("minus{}", slug(number));
+    }
     let kept = |c: char| match c {
         'µ' => 'u',
         c if c.is_ascii_alphanumeric() || ".+".contains(c) => c,
@@ -181,5 +185,21 @@ fn check_names(drafts: &[Draft], faults: &mut Faults) {
     }
     if drafts.is_empty() && faults.0.is_empty() {
         faults.add("exclude", "every variant", "exclusions that leave some", "remove an exclusion");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Variants of a number and of its negative are two folders, neither of which passes for an
+    /// option. *Planted*: the minus left out of the name.
+    #[test]
+    fn numbers_of_either_sign_name_folders_of_their_own() {
+        let labels = ["30", "-30", "0.1", "-0.1", "-1e-3"];
+        let names = labels.map(slug);
+        assert_eq!(names, ["30", "minus30", "0.1", "minus0.1", "minus1e_3"]);
+        assert!(names.iter().all(|name| is_folder_name(name)));
+        assert_eq!(slug("-yellow"), "yellow");
     }
 }

@@ -252,7 +252,8 @@ fn tints_hold_what_fringes_do_between_the_wavelengths() {
     let eye = Colorimeter::new(&fine).unwrap();
     let mut largest = 0.0_f64;
     for print in results["prints"]["prints"].as_array().expect("prints") {
-        let coverage = value(print, "coverage");
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let coverage = number(&print["coverage"]);
         let factor = |nm: &f64| {
             let entered = 1.0 - airy(5.3, 1e-3 * nm, 1.0, 0.5_f64.sqrt());
             let leaves = 1.0 - airy_of_diffuse(5.3, 1e-3 * nm, 1.0);
@@ -261,9 +262,9 @@ fn tints_hold_what_fringes_do_between_the_wavelengths() {
         };
         let truth = eye.colour(&fine.iter().map(factor).collect::<Vec<f64>>()).unwrap();
         for (found, wanted) in print["lab"].as_array().expect("L*, a*, b*").iter().zip(truth.lab) {
-            let apart = (value(found, "value") - wanted).abs();
+            let apart = (number(&found["value"]) - wanted).abs();
             // twice a standard error, and the paper's own L* to the digits of the two sums
-            assert!(apart < 2.0 * value(found, "standard_error") + 0.01, "{coverage}: {found} {wanted}");
+            assert!(apart < 2.0 * number(&found["standard_error"]) + 0.01, "{coverage}: {found} {wanted}");
             largest = largest.max(apart);
         }
     }

@@ -87,9 +87,9 @@ fn compositions_that_do_not_fit_are_refused() {
         ("layers = [{ plate = 'red' }]\ncolour = 1", "colour: found an unknown key"),
         (
             "layers = [{ plate = 'red' }]\npaper.contact = 'yes'",
-            "paper.contact: found \"yes\"; allowed: true or false",
+            "paper.contact: found string \"yes\"; allowed: true or false",
         ),
-        ("layers = [{ plate = 7 }]", "layers[0].plate: found 7; allowed: a string"),
+        ("layers = [{ plate = 7 }]", "layers[0].plate: found integer `7`; allowed: a string"),
         ("layers = [{ plate = 'red', coverage = 0.5 }]", "layers[0].coverage: found one without a screen"),
         (
             "layers = [{ plate = 'red', coverage = 0.5 }]\ndots = { coverage = 0.5, ruling_per_cm = 60, spread_um = 0 }",

@@ -144,6 +144,21 @@ pub const LIGHT: &[Slip] = &[
         ["strategy", "magic", "`krylov`", "write one of"],
     ),
     slip(
+        "[output]",
+        "[solver]\nstrategy = { idr = { shadow_space = 0 } }\n[output]",
+        ["solver.strategy.idr.shadow_space", "found 0", "a whole number from 1 to 64", "12 is usual"],
+    ),
+    slip(
+        "[output]",
+        "[solver]\nstrategy = { krylov = { guided_modes = { damped = nan } } }\n[output]",
+        ["solver.strategy.krylov.guided_modes.damped", "found NaN", "0 or above", "leave it out"],
+    ),
+    slip(
+        "picture_pixels = 61",
+        "picture_pixels = 61\nfolder = ' '",
+        ["output.folder", "found a blank name", "the path of a folder", "leave it out"],
+    ),
+    slip(
         "picture_pixels = 61",
         "picture_pixels = 0",
         ["output.picture_pixels", "found 0", "from 16", "360 is usual"],

@@ -1,3 +1,4 @@
+use super::film_matrix::FilmMatrix;
 use super::slab_film::unwrap;
 use super::stack_film::{FilmElement, Mirrors, SolvedElement};
 use super::*;
@@ -173,9 +174,21 @@ fn a_layer_turned_over_transmits_alike() {
     }
 }
 
+/// R of this number of slabs as they were solved, without interference.
+fn powers_of(film: &CoherentFilm, count: usize, direction: usize) -> f64 {
+    let slab = |k: usize| {
+        let [front, behind] = film.slabs[k].each_ref().map(|side| side[direction][0]);
+        let reflected = [front[0].norm_sqr(), behind[0].norm_sqr()];
+        FilmMatrix { reflected, transmitted: front[1].norm_sqr() }
+    };
+    let inner = (2..count).fold(slab(0), |whole, _| whole.then(slab(1)));
+    inner.then(slab(2)).reflected[0]
+}
+
 /// R of an absorbing film in the directions that were solved is Airy's, though its slabs were
 /// solved between half-spaces of a real index, to which each of them has steps: in closed form, and
-/// as a stack. *Planted*: the steps left in the front and the back slab; in the inner ones.
+/// as a stack; what composing makes of it has them. *Planted*: the steps left in the front and the
+/// back slab; in the inner ones; inner slabs that mirror nothing where they are composed.
 #[test]
 fn an_absorbing_film_has_no_steps_between_its_slabs() {
     for index in [Complex64::new(1.5, 0.06), Complex64::new(1.5, 0.2)] {
@@ -184,10 +197,17 @@ fn an_absorbing_film_has_no_steps_between_its_slabs() {
             let composed = composed(&film, index, count);
             let stack = as_stack(&film, count);
             let [closed, star] = [film.interference(count, 0, &composed), stack.interference(0, &composed)];
-            for sine in known_sines(&film.media[0]) {
+            for (direction, sine) in known_sines(&film.media[0]).into_iter().enumerate() {
                 let wanted = airy(index, count * SLAB_UM, sine)[0];
-                for found in [closed.mirrored(sine)[0], star.mirrored(sine)[0]] {
+                for [found, composed] in [closed.mirrored(sine), star.mirrored(sine)] {
                     assert!((found - wanted).abs() < 1e-12, "{index} {count} {sine}: {found} {wanted}");
+                    if count.fract() == 0.0 {
+                        let powers = powers_of(&film, count as usize, direction);
+                        assert!(
+                            (composed - powers).abs() < 1e-12,
+                            "{index} {count} {sine}: {composed} {powers}"
+                        );
+                    }
                 }
             }
         }

@@ -81,8 +81,8 @@ impl Orientation {
     /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let (direction, strength, _) = self.parts()?;
-        if strength.is_some_and(|k| !STRENGTH.holds(k)) {
-            return Some(("orientation.strength", format!("{strength:?}"), "finite, 0 or above"));
+        if let Some(wrong) = strength.filter(|k| !STRENGTH.holds(*k)) {
+            return Some(("orientation.strength", wrong.to_string(), "finite, 0 or above"));
         }
         let length = dot(direction, direction);
         (!(length.is_finite() && length > 0.0))

@@ -227,8 +227,8 @@ mod tests {
         }
     }
 
-    /// Layers with an open joint, one of which holds more than usual and one less, are packed as the
-    /// layers usually are. *Planted*: the method chosen by the share of the fuller one.
+    /// Of two layers with an open joint one holds more than usual, the other less: both are packed
+    /// as ever. *Planted*: the method chosen by the share of the fuller one.
     #[test]
     fn fuller_layers_with_open_joints_are_packed_as_usual() {
         let mut request = request();

@@ -65,7 +65,7 @@ impl Dispersion {
         if let Some(depth) = too_deep(text) {
             return Err(format!("{depth} brackets are open at once; a record has a few"));
         }
-        let record: DispersionRecord = serde_norway::from_str(text).map_err(|error| error.to_string())?;
+        let record: DispersionRecord = serde_norway::from_str(text).map_err(in_words)?;
         let mut found =
             Self { name: name.to_owned(), n: None, kappa: None, unusable: Vec::new(), joined: Vec::new() };
         for entry in &record.data {
@@ -182,6 +182,11 @@ fn numbers(text: &str, least: usize) -> Result<Vec<f64>, String> {
         return Err(format!("found {text:?} where {least} numbers are needed"));
     }
     Ok(numbers)
+}
+
+/// The message of the YAML parser, which names a type of this program.
+fn in_words(error: serde_norway::Error) -> String {
+    error.to_string().replace("struct DispersionRecord", "a record of refractiveindex.info")
 }
 
 #[cfg(test)]

@@ -16,6 +16,9 @@ use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 
+/// Most steps between two looks at the residual.
+const MOST_STEPS: usize = 10_000;
+
 /// The Born series: adds terms until they are small; fails early if they grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
@@ -38,6 +41,10 @@ impl Default for Born {
 impl Solver for Born {
     fn name(&self) -> &'static str {
         "born"
+    }
+
+    fn check(&self) -> Result<(), SolveError> {
+        SolveError::unless_within("born.window", self.window, 1..=MOST_STEPS, "8 is usual")
     }
 
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
@@ -78,7 +85,7 @@ fn advice(ratio: Option<f64>) -> String {
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ConvergentBorn {
-    /// Largest |V| over ε, below 1.
+    /// Largest |V| over ε: above 0, at most 1.
     pub scale: f64,
     /// Fraction of the full step.
     pub step: f64,
@@ -97,9 +104,18 @@ impl Solver for ConvergentBorn {
         "convergent_born"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        for (field, value) in [("convergent_born.scale", self.scale), ("convergent_born.step", self.step)] {
+            if !(value > 0.0 && value <= 1.0) {
+                return Err(SolveError::setting(field, value, "above 0, at most 1", "try 0.9"));
+            }
+        }
+        let every = "convergent_born.check_every";
+        SolveError::unless_within(every, self.check_every, 1..=MOST_STEPS, "10 is usual")
+    }
+
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         let problem = ledger.split()?;
-        self.check()?;
         let mut scratch = Field::zeros(problem.shape());
         let mut field = ledger.first_field(start, &mut scratch)?;
         if ledger.reached() {
@@ -108,7 +124,7 @@ impl Solver for ConvergentBorn {
         let mut series = BornSeries::new(problem, self, &field);
         ledger.account.bytes = series.bytes();
         loop {
-            for _ in 0..self.check_every.max(1) {
+            for _ in 0..self.check_every {
                 series.step();
                 ledger.account.steps += 1;
                 ledger.account.operator_applications += 1;
@@ -129,17 +145,6 @@ impl Solver for ConvergentBorn {
         // Five fields of the series, three of the ledger, and the banded factors with their work
         // arrays.
         Fit::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
-    }
-}
-
-impl ConvergentBorn {
-    fn check(&self) -> Result<(), SolveError> {
-        for (field, value) in [("convergent_born.scale", self.scale), ("convergent_born.step", self.step)] {
-            if !(value > 0.0 && value <= 1.0) {
-                return Err(SolveError::setting(field, value, "above 0, at most 1", "try 0.9"));
-            }
-        }
-        Ok(())
     }
 }
 

@@ -43,6 +43,10 @@ impl Solver for Idr {
         "idr"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        SolveError::unless_within("idr.shadow_space", self.shadow_space, 1..=64, "12 is usual")
+    }
+
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         ledger.holds_vectors(2 * self.shadow_space + OTHER_VECTORS);
         let [mut u, mut r] = ledger.from_zero(start)?;

@@ -42,6 +42,8 @@ const MOST_SINGLE: usize = 60;
 const OTHER_VECTORS: f64 = 9.0;
 /// Fraction of scarce memory that the guided modes' dense block may use.
 const GUIDED_SHARE: f64 = 0.3;
+/// Longest basis.
+const MOST_RESTART: usize = 100_000;
 /// Shortest basis with which restarts still converge.
 const LEAST_RESTART: usize = 20;
 /// Share of scarce memory for the first basis of the vector wave, which is no shorter than
@@ -62,6 +64,18 @@ const MOST_GROWTH: usize = 8;
 impl Solver for Gmres {
     fn name(&self) -> &'static str {
         "krylov"
+    }
+
+    fn check(&self) -> Result<(), SolveError> {
+        SolveError::unless_within("krylov.restart", self.restart, 1..=MOST_RESTART, "150 is usual")?;
+        let GuidedModes { threshold, damped, .. } = self.guided_modes;
+        let fields = [("krylov.guided_modes.threshold", threshold), ("krylov.guided_modes.damped", damped)];
+        for (field, value) in fields {
+            if value.is_nan() || value < 0.0 {
+                return Err(SolveError::setting(field, value, "0 or above", "leave it out"));
+            }
+        }
+        Ok(())
     }
 
     fn run(&self, ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {

@@ -34,6 +34,8 @@ pub struct Relaxation {
     pub memory: usize,
 }
 
+/// Longest window, and most earlier restarts.
+const MOST_WINDOW: usize = 10_000;
 /// Smallest τ reached by halving, as a fraction of the setting.
 const SHORTEST: f64 = 0.2;
 /// If a window multiplies the residual by more than this, τ is too long.
@@ -50,13 +52,21 @@ impl Solver for Relaxation {
         "relaxation"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        if !(self.tau.is_finite() && self.tau > 0.0) {
+            return Err(SolveError::setting("relaxation.tau", self.tau, "finite and above 0", "try 6"));
+        }
+        SolveError::unless_within("relaxation.window", self.window, 1..=MOST_WINDOW, "12 is usual")?;
+        SolveError::unless_within("relaxation.memory", self.memory, 1..=MOST_WINDOW, "24 is usual")
+    }
+
     fn suited_mean(&self) -> Mean {
         Mean { absorbing: false, ..Mean::default() }
     }
 
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         let problem = ledger.split()?;
-        self.check(problem)?;
+        Self::needs_real_mean(problem)?;
         let mut scratch = Field::zeros(problem.shape());
         let field = ledger.first_field(start, &mut scratch)?;
         if ledger.reached() {
@@ -106,17 +116,11 @@ impl Solver for Relaxation {
 }
 
 impl Relaxation {
-    fn check(&self, problem: &Problem) -> Result<(), SolveError> {
+    fn needs_real_mean(problem: &Problem) -> Result<(), SolveError> {
         if problem.mean.mean_absorption() > 0.0 {
             let remedy = "both halves of the splitting must be dissipative: choose the real mean (solve \
                 --real-mean), in a study another strategy, such as \"krylov\"";
             return Err(SolveError::setting("mean", "complex", "a real ⟨k²⟩", remedy));
-        }
-        if !(self.tau.is_finite() && self.tau > 0.0) {
-            return Err(SolveError::setting("relaxation.tau", self.tau, "finite and above 0", "try 6"));
-        }
-        if self.window == 0 {
-            return Err(SolveError::setting("relaxation.window", 0, "1 or more", "try 12"));
         }
         Ok(())
     }

@@ -59,14 +59,15 @@ pub struct Composition {
     /// Dots that the stack is printed in, besides the solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dots: Option<CompositionDots>,
-    /// Illuminant of the colours.
+    /// Illuminant of the colours: any of a study's `colour.illuminant`, such as `D50`, `A`, `F11`
+    /// or `LED_B3`.
     #[serde(default = "daylight")]
     pub illuminant: String,
-    /// Observer of the colours: `2` or `10`.
+    /// Observer of the colours: `2`, `10`, `2015_2` or `2015_10`.
     #[serde(default = "standard")]
     pub observer: String,
     /// Light that excites the paper's brightener: M0 (a lamp), M1 (D50) or M2 (D50 without
-    /// ultraviolet); none for that of the illuminant.
+    /// ultraviolet); that of the illuminant when left out. M3 is refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condition: Option<MeasuredCondition>,
 }
@@ -77,11 +78,12 @@ pub struct Composition {
 pub struct CompositionLayer {
     /// Name of a plate.
     pub plate: String,
-    /// Thickness, µm; of plates in slabs any from two slabs on (default), else the solved one.
+    /// Thickness, µm: of plates in slabs any from two slabs on (two when left out), of others the
+    /// solved one alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness_um: Option<f64>,
-    /// Share of the area that it covers in dots, 0 to 1, of a composition with `dots`; everywhere
-    /// where there is none. Layers with coverages lie over each other at random (Demichel).
+    /// Share of the area that it covers in dots, 0 to 1, in a composition with `dots`; all of it
+    /// when left out. Up to six layers may have one; they lie over each other at random (Demichel).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
 }

@@ -1,5 +1,6 @@
 //! The prints of a composed layer, as they are published.
 
+use super::between::Fringes;
 use super::level::{Change, Level};
 use super::numbers::LayerTask;
 use crate::appearance::bare_paper::PaperGeometry;
@@ -9,6 +10,7 @@ use crate::evaluate::prints::{PrintNumbers, PrintTask};
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::{LayerNumbers, ThicknessNumbers};
 use crate::numerics::estimate::Estimate;
+use std::collections::HashMap;
 
 /// The prints of layers of some thicknesses, µm, whose numbers have their bars; `None` where there
 /// is only a solid on plain paper.
@@ -22,16 +24,23 @@ pub(super) fn prints(
     let mut prints = Vec::new();
     for (um, layer) in layers {
         let beside = of_others(task, || of_layer.optics(level, Change::default(), *um));
-        let rows: Vec<LayerNumbers<f64>> =
-            layer.spectra.iter().map(|row| row.map(|number| number.value)).collect();
-        let fringes = of_layer.films(*um).fringes(&of_layer.study.wavelengths_nm, &rows);
+        // of the solid under the light of a print
+        let fringes_of = |solid: usize| {
+            let seen = layer.spectra.iter().zip(&layer.prints[solid].factors).map(|(row, factor)| {
+                LayerNumbers { lit_at_45: factor.value, ..row.map(|number| number.value) }
+            });
+            of_layer.films(*um).fringes(&of_layer.study.wavelengths_nm, &seen.collect::<Vec<_>>())
+        };
+        let mut fringes: HashMap<usize, Option<Fringes>> = HashMap::new();
         let mut plain: Vec<PrintNumbers<f64>> = Vec::new();
         let mut bars: Vec<PrintNumbers<Estimate>> = Vec::new();
         for (k, print) in layer.prints.iter().enumerate() {
             let values = print.clone().map(&|parts: ErrorParts| parts.value);
             let mut estimates = print.clone().map(&|parts: ErrorParts| parts.estimate());
             let share = task.prints[k].share_of_layer();
-            let films = fringes.as_ref().map(|fringes| fringes.of_print(of_layer.visible.clone(), share));
+            let solid = task.solid_of(k);
+            let films = fringes.entry(solid).or_insert_with(|| fringes_of(solid)).as_ref();
+            let films = films.map(|fringes| fringes.of_print(of_layer.visible.clone(), share));
             let open = task.between_wavelengths(&values.factors, films.as_ref());
             let paper = task.open_of_paper(k);
             for (c, lab) in estimates.lab.iter_mut().enumerate() {

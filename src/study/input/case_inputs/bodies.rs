@@ -46,7 +46,8 @@ pub struct CylinderInput {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyInput {
-    /// An `ellipsoid`, `box`, `disc` or `prism` as in studies, with its lengths in µm.
+    /// An `ellipsoid`, `box`, `disc` or `prism` as in studies, with its lengths in µm. The other
+    /// shapes of studies are refused: they consist of spheres, which are given as `spheres`.
     #[serde(deserialize_with = "name_or_table")]
     pub shape: Shape,
     /// Centre (x, y, z), µm.

@@ -3,7 +3,7 @@
 use crate::input::file::{OutputTable, ResolutionTable, RunTable, SolverTable};
 use crate::input::study::WantedResolution;
 use crate::input::{CellRule, Faults, keys_in_words, limits};
-use crate::solve::Goal;
+use crate::solve::{Goal, SolveError};
 use crate::wave::Wave;
 
 /// Default number of packings with varied cells.
@@ -44,6 +44,10 @@ impl OutputTable {
     pub(super) fn checked(&self, faults: &mut Faults) -> Self {
         let remedy = "360 is usual";
         faults.whole("output.picture_pixels", self.picture_pixels, limits::PICTURE_PIXELS, remedy);
+        if self.folder.as_ref().is_some_and(|folder| folder.trim().is_empty()) {
+            let remedy = "name one, or leave it out: out/ and the study's name";
+            faults.add("output.folder", "a blank name", "the path of a folder", remedy);
+        }
         self.clone()
     }
 }
@@ -104,6 +108,9 @@ impl SolverTable {
         faults.number("solver.tolerance", tolerance, limits::TOLERANCE, remedy);
         let most = self.max_applications;
         faults.whole("solver.max_applications", most, limits::APPLICATIONS, "2000 is usual");
+        if let Err(SolveError::Setting { field, value, allowed, remedy }) = self.strategy.build().check() {
+            faults.add(format!("solver.strategy.{field}"), value, allowed, remedy);
+        }
         Goal { tolerance, max_applications: most }
     }
 }

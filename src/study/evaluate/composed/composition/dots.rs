@@ -13,13 +13,13 @@ const MOST_INKS: usize = 6;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompositionDots {
-    /// Share of the area that the stack covers, 0 to 1; the rest is bare paper. None where layers
-    /// have coverages.
+    /// Share of the area that the whole stack covers, 0 to 1, one number; the rest is bare paper.
+    /// Left out where layers have a `coverage` of their own: one of both must be given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
-    /// Dots per cm.
+    /// Ruling of the screen, dots per cm, 1 to 1000; 60 is usual (150 lpi).
     pub ruling_per_cm: f64,
-    /// Length over which the paper spreads light, µm.
+    /// Length over which the paper spreads light, µm, 0 to 10000; coated papers have 20 to 60.
     pub spread_um: f64,
 }
 
