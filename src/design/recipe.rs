@@ -9,6 +9,7 @@ use super::wish::NumberWish;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError, keys_in_words};
 use crate::input::field::set;
+use crate::input::limits;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::input::measured::MeasuredCondition;
@@ -325,10 +326,12 @@ fn is_of_the_solid(field: &str) -> bool {
 }
 
 fn check_settings(file: &DesignFile, faults: &mut Faults) {
-    let DesignTable { delta_e, verifications, .. } = file.design;
+    let DesignTable { delta_e, verifications, realisations, .. } = file.design;
     let usual = "0.5 is hard to see";
     faults.number("design.delta_e", delta_e, Allowed::between(0.05, 20.0, ""), usual);
     faults.whole("design.verifications", verifications, Whole::between(1, 50), "4 is usual");
+    let remedy = "leave it out: that of the base";
+    faults.whole("design.realisations", realisations.unwrap_or(1), limits::REALISATIONS, remedy);
 }
 
 /// Checks the number of variants, once it is known which variables are interpolated between them.

@@ -279,6 +279,8 @@ fn slips_in_the_target_colour_of_a_design_are_said() {
 fn slips_in_the_settings_of_a_design_are_said() {
     one_fault(&format_design("[design]\ndelta_e = 0.0\n"), &["design.delta_e", "0.5 is hard to see"]);
     one_fault(&format_design("[design]\nvariants = 2\n"), &["design.variants", "2"]);
+    let none = format_design("[design]\nrealisations = 0\n");
+    one_fault(&none, &["design.realisations: found 0", "1 to 100000", "that of the base"]);
 }
 
 fn format_design(more: &str) -> Vec<String> {

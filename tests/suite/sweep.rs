@@ -225,6 +225,10 @@ fn slips_in_values_and_labels_of_an_axis_are_told() {
         &["axis[0].values", "1.15", "0.64", "volume_fraction"],
     );
     slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "an empty list", "from, to"]);
+    let once = ["axis[0].count", "found 1 from 0.1 to 0.15", "2 or more", "values = […]"];
+    slip("values = [0.10, 0.15]", "from = 0.10\nto = 0.15\ncount = 1", &once);
+    let alone = ["axis[1].zip", "found \"a\" of one axis", "two axes or more", "remove it"];
+    slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"", &alone);
     slip("name = \"paper\"", "name = \" \"", &["axis[2].name", "a blank name", "name the axis"]);
     slip(
         "[\"10 %\", \"15 %\"]",

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "{} × {} points and {} cells would need {} of the {} allowed; take fewer points or \
-     cells, a smaller layer, or allow more memory with --memory-gb",
+     cells, a smaller layer, or more memory (--memory-gb of commands that have it)",
     .resolution.nx, .resolution.ny, .resolution.cells, memory_in_words(*need_gb), memory_in_words(*allowed_gb)
 )]
 pub struct TooLarge {

@@ -156,6 +156,12 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
             faults.number(&format!("axis[{i}].step"), step, allowed, "a step from `from` towards `to`");
             ((to - from) / step + 1e-9).floor() + 1.0
         }
+        (None, Some(1)) if from != to => {
+            let found = format!("1 from {from} to {to}");
+            let allowed = "2 or more, which begin and end there";
+            faults.add(format!("axis[{i}].count"), found, allowed, "or write values = […]");
+            return Vec::new();
+        }
         (None, Some(count)) => count as f64,
         _ => return Vec::new(),
     };

@@ -101,6 +101,13 @@ fn places(axes: &[Axis], faults: &mut Faults) -> Vec<Vec<usize>> {
             faults.add(format!("axis[{odd}].zip"), found, allowed, "make the lists equally long");
         }
     }
+    for &a in groups.iter().filter(|group| group.len() == 1).flatten() {
+        if let Some(zip) = &axes[a].zip {
+            let allowed = "a name that two axes or more have, which then vary together";
+            let remedy = "give another axis this zip, or remove it";
+            faults.add(format!("axis[{a}].zip"), format!("{zip:?} of one axis"), allowed, remedy);
+        }
+    }
     let count = lengths.iter().try_fold(1usize, |all, &n| all.checked_mul(n)).unwrap_or(usize::MAX);
     if count > MOST_VARIANTS {
         let allowed = format!("at most {MOST_VARIANTS} combinations");

@@ -135,6 +135,11 @@ pub const LIGHT: &[Slip] = &[
     ),
     slip(
         "[output]",
+        "[packing]\nsequential.attempts_per_grain = 0\n[output]",
+        ["packing.sequential.attempts_per_grain", "found 0", "1 or more", "200000 is usual"],
+    ),
+    slip(
+        "[output]",
         "[solver]\ntolerance = 0\n[output]",
         ["solver.tolerance", "found 0", "to 0.01", "leave it out"],
     ),

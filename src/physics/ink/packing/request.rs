@@ -132,6 +132,9 @@ impl PackingRequest {
             let remedy = "give the volume fraction of the whole layer, or leave it out";
             PackError::unless((0.0..=FCC).contains(&usual), "usual_fraction", usual, "0 to 0.74", remedy)?;
         }
+        let attempts = self.sequential.attempts_per_grain;
+        let field = "sequential.attempts_per_grain";
+        PackError::unless(attempts > 0, field, attempts, "1 or more", "leave it out: 200000 is usual")?;
         self.relaxation.check()?;
         self.check_cut()?;
         self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.period_um, self.walls))
