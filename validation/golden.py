@@ -1129,7 +1129,7 @@ def derive(name):
     if ink:
         golden["colours"] = [
             ink.colour("natural light", SKY, SKY_MOVED, errors, residual),
-            ink.colour("45°:0°", PRINT, PRINT_MOVED, errors, residual),
+            ink.colour("45:0", PRINT, PRINT_MOVED, errors, residual),
         ]
         golden["ink_maker"], golden["picture"] = ink.maker([errors, [residual] * 2]), ink.picture()
     write(GOLDEN / f"{name}.json", golden)

@@ -22,7 +22,7 @@ from ._program import InputError, remark
 
 __all__ = ["Composed", "Library"]
 
-FORM = 4
+FORM = 5
 _FAINT = 1e-9
 _NOTHING = 1e-9
 _PIECE, _PIECES, _MOST_FRINGES = 8, 16, 200.0
@@ -203,15 +203,18 @@ class _Film(NamedTuple):
 
 class _Once(NamedTuple):
     """One slab as the mean wave meets it, whatever their number: the logarithm of the way through its medium, where it mirrors
-    (wavelength, 1), the film that it is there, and that of a part of it."""
+    (wavelength, 1), the film that it is there, that of a part of it, and its powers as composing has them, where they are not the film's."""
 
     way: np.ndarray
     mirrors: np.ndarray
     film: Optional[_Film] = None
     part_of: Callable[[Any], _Film] = lambda part: _Film(part, part, part)
+    solved: Optional[_Film] = None
 
     def repeated(self, count: Any, kind: int = 0) -> _Film:
         """Amplitudes (kind 0) or powers (1) of this number of them, or of several numbers (number, 1, 1)."""
+        if kind and self.solved is not None:
+            return self.solved.powers_repeated(count)
         film = None
         if self.film is not None:
             film = self.film.powers().powers_repeated(count) if kind else self.film.repeated(count, self.part_of)
@@ -232,6 +235,18 @@ def _plane(before: Any, behind: Any, sine: np.ndarray, p: int) -> _Film:
     a, b = (_normal(n, sine) / (1.0 if p == 0 else n * n) for n in (before, behind))
     r = (a - b) / (a + b)
     return _Film(r, -r, np.sqrt(1 - r * r))
+
+
+def _own_passage(step: np.ndarray, through: np.ndarray) -> np.ndarray:
+    """t of a slab between half-spaces of its own medium over the `through` that it has between those to which both faces have this step."""
+    passes = 1 - step * step
+    return np.asarray(2 / (passes + np.sqrt(passes * passes + 4 * (step * through) ** 2)))
+
+
+def _even_slab(step: np.ndarray, through: np.ndarray) -> np.ndarray:
+    """What a slab with this t between half-spaces mirrors, both of whose faces have this step."""
+    own = (through * _own_passage(step, through)) ** 2
+    return np.asarray(step * (1 - own) / (1 - step * step * own))
 
 
 def _lagrange(points: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -701,8 +716,10 @@ class Library:
                 if len(self._once) >= _MOST_FILMS:
                     self._once.clear()
                 portion, states = self._state(number, position, change)
-                within = np.array(self._plates[number]["within"])
-                self._once[key] = self._element(portion, states, within, seen[0], change.fewer, sines)
+                plate = self._plates[number]
+                within = np.array(plate["within"])
+                squared = within**2 + 1j * np.array(plate.get("loss", np.zeros_like(within)))
+                self._once[key] = self._element(portion, states, squared, seen[0], change.fewer, sines)
             found.append((self._once[key], times))
         return found
 
@@ -730,7 +747,9 @@ class Library:
             self._turned_back.update(((number, (k, c), p), slabs.one(row)) for row, c in enumerate(cells))
         return self._turned_back[number, part, p]
 
-    def _element(self, portion: _Portion, states: _States, within: np.ndarray, p: int, fewer: bool, sines: np.ndarray) -> _Once:
+    def _element(self, portion: _Portion, states: _States, squared: np.ndarray, p: int, fewer: bool, sines: np.ndarray) -> _Once:
+        """`squared` is the permittivity of the even medium within, at every wavelength."""
+        within = np.sqrt(squared.real)
         um, index = portion.thickness_um, within[:, None]
         k0 = 2 * np.pi / (1e-3 * self.wavelengths_nm[:, None])
         before, behind = portion.between[:, :1], portion.between[:, 1:]
@@ -771,8 +790,14 @@ class Library:
         here = np.minimum(here.real, passed[:, kept].real.max(1, keepdims=True)) + 1j * here.imag
         sine = sines[None, :]
         way = 1j * phase(sine) + here
+        # from the half-spaces of the solves to the medium itself, which may absorb
+        step = _plane(index, np.sqrt(squared[:, None]), sine, p).where(squared.imag[:, None] != 0, _plane(index, index, sine, p))
+        through = np.exp(way)
+        mirrored = np.abs(_even_slab(step.ra, through)) ** 2
+        as_solved = _Film(mirrored, mirrored, np.abs(through) ** 2)
+        way = way + np.log(_own_passage(step.ra, through))
         if not mirrors.any():
-            return _Once(way, mirrors)
+            return _Once(way, mirrors, solved=as_solved)
         further = [more[:, kept] @ weights for more in beyond]
 
         def slab(part: Any) -> _Film:
@@ -781,7 +806,10 @@ class Library:
             ra, rb = (r + part * more * by for r, more, by in zip((film.ra, film.rb), further, phases))
             return _Film(ra, rb, even(sine, 0.0, part).t * np.exp(passed))
 
-        return _Once(way, mirrors, slab(1.0), slab)
+        one = slab(1.0)
+        own = one.then(step).where(first & ~last, one)
+        own = _Film(step.rb, step.ra, step.t).then(one).where(last & ~first, own)
+        return _Once(way, mirrors, own, slab, one.powers().where(mirrors, as_solved))
 
     # many stacks
 
@@ -919,11 +947,13 @@ class Library:
                 variance.append(total)
             chance = variance[0]
             beyond = (all_[0] - value) ** 2 - (variance[0] + variance[1] if known else 0.0)
+            directions = (all_[2] - value) ** 2 + ((all_[3] - value) / _THINNED) ** 2
             if name in _SPECTRA and name != "factors":
-                beyond = np.array([beyond[max(w - 2, 0): w + 3].mean() for w in range(beyond.size)])
+                beyond, near = (np.array([x[max(w - 2, 0): w + 3].mean() for w in range(x.size)]) for x in (beyond, directions))
+                # at single wavelengths fringes change nothing by accident
+                directions = np.maximum(directions, near)
             model = np.maximum(beyond, 0.0) / 4.0
-            thinned = ((all_[3] - value) / _THINNED) ** 2
-            errors[name] = np.sqrt(chance + model + (all_[1] - value) ** 2 + (all_[2] - value) ** 2 + thinned)
+            errors[name] = np.sqrt(chance + model + (all_[1] - value) ** 2 + directions)
         return errors
 
 

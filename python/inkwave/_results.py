@@ -203,7 +203,7 @@ class Ink(_Folder):
         return f"<p><b>{head}</b></p>{picture}<ul>{colours}{remarks}</ul>"
 
 
-_LIGHTS = {"natural_light": "natural light", "lit_at_45": "45°:0°", "over_black": "45°:0°, over black"}
+_LIGHTS = {"natural_light": "natural light", "lit_at_45": "45:0", "over_black": "45:0, over black"}
 
 
 def _composed_colour(row: Mapping[str, Any], key: str, coverage_factor: Optional[float]) -> Colour:

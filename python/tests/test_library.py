@@ -128,8 +128,8 @@ class Library(unittest.TestCase):
         taken = {"layers": ["red"], "dots": {"coverage": np.float32(0.5), "ruling_per_cm": np.int64(60), "spread_um": 40}}
         self.assertEqual(self.library.compose(taken).lab.shape, (1, 3))
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 4"):
-            iw.Library({**content, "inkwave_library": 5})
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 5"):
+            iw.Library({**content, "inkwave_library": 6})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         with self.assertRaisesRegex(iw.InputError, "damaged"):

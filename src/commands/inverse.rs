@@ -44,7 +44,7 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     if args.work.plan {
         let nodes = fit::composed::variants(&task);
         return if task.is_composed() {
-            tell_plan(&nodes, false, settings)
+            tell_plan(&nodes, false, settings).map(drop)
         } else {
             plan_fit(&task, settings)
         };
@@ -223,5 +223,7 @@ fn plan_design(task: &DesignTask, settings: RunSettings) -> Result<()> {
     }
     let middle = vec![0.5; task.variables.len()];
     let study = task.study(&middle).map_err(|faults| miette!("{}", faults[0]))?;
-    tell_plan(&of_one("middle", study), false, settings)
+    let plan = tell_plan(&of_one("middle", study), false, settings)?;
+    let [least, most] = plan.core_seconds_range.map(|seconds| processor_time(seconds * runs as f64));
+    say!("all {runs} runs      {least} to {most}; fewer where a recipe is found earlier")
 }

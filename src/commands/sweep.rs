@@ -12,10 +12,11 @@ use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Publisher, publish};
 use inkwave::sweep::reported::Reported;
 use inkwave::sweep::{Sweep, folder, load};
+use inkwave::work::plan::{self, Plan};
+use inkwave::work::run as runner;
 use inkwave::work::run::Scope;
 use inkwave::work::units::{Shard, ends_early, units};
 use inkwave::work::variant::{Variant, solved_for};
-use inkwave::work::{plan, run as runner};
 use miette::{IntoDiagnostic, Result, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -61,7 +62,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
     if args.work.plan {
-        return tell_plan(&sweep.variants, args.json, settings);
+        return tell_plan(&sweep.variants, args.json, settings).map(drop);
     }
     let shard = args.shard.as_deref().map(|text| shard(text, &sweep)).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
@@ -165,14 +166,15 @@ fn tell_shard(tally: &runner::Tally, shard: Shard, folder: &OutputFolder, stoppe
 }
 
 /// Prints the expected cost of one study or of the variants of a sweep.
-pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings) -> Result<()> {
+pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings) -> Result<Plan> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
     let settings = RunSettings { jobs: Some(jobs), ..settings };
     let plan = progress.during(|| plan::plan(variants, settings, &progress)).map_err(run_report)?;
     if json {
-        return say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
+        say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?)?;
+        return Ok(plan);
     }
     if let Some(reason) = &plan.out_of_reach {
         say!("out of reach: {reason}")?;
@@ -196,7 +198,8 @@ pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings)
     say!("time              {about}{on_jobs} on {jobs} idle cores (range {range}), {on_hundred} on 100")?;
     say!("                  for the solves; numbers, error bars and pages take seconds more")?;
     say!("shards            {} at most", plan.units)?;
-    say!("estimated from    {}", plan.calibration)
+    say!("estimated from    {}", plan.calibration)?;
+    Ok(plan)
 }
 
 /// Formats a time with two or three digits.

@@ -294,6 +294,21 @@ fn settings_that_a_composed_base_cannot_have_are_refused() {
         ),
         (
             "[fit]",
+            "[fit]\ndensities_g_per_cm3 = { bindre = 1.1 }",
+            ["fit.densities_g_per_cm3.bindre", "unknown name", "binder, and the names", "as in the base"],
+        ),
+        (
+            "backing = 0.04\n[fit]",
+            "backing = 0.04\nweights = { a = 0, binder = 0 }\n[fit]\ndensities_g_per_cm3 = { a = 5.0, white = 4.0, binder = 1.0 }",
+            ["measured[0].weights", "0 in all", "more than 0", "{ red = 3, binder = 40 }"],
+        ),
+        (
+            "[fit]",
+            "[fit]\nalso = [\"thickness\", \"thickness\"]",
+            ["fit.also", "one number twice", "every number once", "remove one"],
+        ),
+        (
+            "[fit]",
             "[fit]\nknown_n = { n_nm = 100, n = 1.65 }",
             ["fit.known_n.n_nm", "100", "from 250", "the pole of the ultraviolet"],
         ),

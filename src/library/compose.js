@@ -3,7 +3,7 @@
 "use strict";
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
-  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 4, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, LOSSLESS = 1e-12, SAME_INDEX = 1e-9, FORM = 5, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
   const THINNED = 3, STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
   const NODES = [16, 11], MEAN_ERROR = 1e-7, FRINGES_OF_A_PIECE = 4, MOST_HALVINGS = 48, ROUNDS = 12, FURTHEST = 1, NARROWEST = 1e-3, LITTLE = 0.02;
   // what composing makes of a slab in which light decays
@@ -186,6 +186,24 @@ const inkwave = (() => {
     const half = (1 + mirrored * mirrored - a.t * a.t) / (2 * mirrored), own = 1 / (half + Math.sqrt(Math.max(half * half - 1, 0)));
     const onward = (a.t / (1 - own * mirrored)) ** count, back = onward * onward, many = 1 / (1 - own * own * back), r = own * (1 - back) * many;
     return { ra: r, rb: r, t: onward * (1 - own * own) * many };
+  }
+  /** From half-spaces of a real index to a medium of this permittivity, which may absorb. */
+  function stepTo(index, squared, sine, p) {
+    let a = normal(index, sine), b = cq([squared[0] - sine * sine, squared[1]]);
+    if (b[1] < 0) b = scale(b, -1);
+    if (p === 1) [a, b] = [scale(a, 1 / (index * index)), cd(b, squared)];
+    const r = cd(cs(a, b), ca(a, b));
+    return { ra: r, rb: scale(r, -1), t: cq(cs([1, 0], cm(r, r))) };
+  }
+  /** t of a slab between half-spaces of its own medium over the `through` that it has between those to which both faces have this step. */
+  function ownPassage(step, through) {
+    const steps = cm(step, step), passes = cs([1, 0], steps);
+    return cd([2, 0], ca(passes, cq(ca(cm(passes, passes), scale(cm(steps, cm(through, through)), 4)))));
+  }
+  /** What a slab with this t between half-spaces mirrors, both of whose faces have this step. */
+  function evenSlab(step, through) {
+    const t = cm(through, ownPassage(step, through)), own = cm(t, t);
+    return cd(cm(step, cs([1, 0], own)), cs([1, 0], cm(cm(step, step), own)));
   }
   /** Whether the medium of a portion ends at its front and at its back: within a layer too, between half-spaces of another index. */
   function mirrorsOf(position, [before, behind], within) {
@@ -544,6 +562,7 @@ const inkwave = (() => {
       const [k, cell] = this.portionOf(number, position, change), plate = this.content.plates[number];
       const { amplitude, between: [before, behind] } = this.states(number, k, w, cell);
       const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]);
+      const loss = (plate.loss || [])[w] || 0, squared = [index * index, loss];
       const mirrors = mirrorsOf(position, [before, behind], index), inner = !mirrors[0] && !mirrors[1], depth = depthOf(mirrors);
       const phase = (sine, part = 1) => normal(index, sine).map(x => x * k0 * um * part);
       const even = (sine, passed, part = 1) => {
@@ -575,12 +594,20 @@ const inkwave = (() => {
         });
         here[0] = Math.min(here[0], clearest);
         const f = phase(sine), way = [here[0] - f[1], here[1] + f[0]];
-        if (inner) { const film = { ra: [0, 0], rb: [0, 0], t: ce(scale(way, times)) }; return { film, own: powers(film) }; }
+        if (inner) {
+          const step = loss ? stepTo(index, squared, sine, pol).ra : [0, 0], through = ce(way), more = ownPassage(step, through);
+          const own = ca(way, [Math.log(Math.hypot(...more)), Math.atan2(more[1], more[0])]), mirrored = cn(evenSlab(step, through));
+          return { film: { ra: [0, 0], rb: [0, 0], t: ce(scale(own, times)) }, own: powersRepeated({ ra: mirrored, rb: mirrored, t: cn(through) }, times) };
+        }
         const slab = part => {
           const passed = scale(here, part), film = even(sine, passed, part), phases = depths(sine, passed, part).map(by => scale(by, part));
           return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0], part).t, ce(passed)) };
         };
         const one = slab(1);
+        if (loss && mirrors[0] !== mirrors[1]) {
+          const step = stepTo(index, squared, sine, pol);
+          return { film: mirrors[0] ? filmThen(one, step) : filmThen({ ra: step.rb, rb: step.ra, t: step.t }, one), own: powers(one) };
+        }
         return { film: filmRepeated(one, times, slab), own: powersRepeated(powers(one), times) };
       };
       const turns = 2 * (index - Math.sqrt(Math.max(index * index - 1, 0))) * um * times / (1e-3 * this.nm[w]);
@@ -1142,12 +1169,15 @@ const inkwave = (() => {
           })));
         });
         let beyond = values.map((v, i) => (at(0, i) - v) ** 2 - (known ? variances[i][0] + variances[i][1] : 0));
-        if (list && !name.startsWith("lab") && name !== "factors") {
-          const raw = beyond;
-          beyond = raw.map((_, i) => { const near = raw.slice(Math.max(i - 2, 0), i + 3); return sum(near) / near.length; });
-        }
         const by = (k, i) => at(k, i) - values[i];
-        const found = values.map((_, i) => Math.hypot(Math.sqrt(variances[i][0] + Math.max(beyond[i], 0) / 4), by(1, i), by(2, i), by(3, i) / THINNED));
+        let directions = values.map((_, i) => by(2, i) ** 2 + (by(3, i) / THINNED) ** 2);
+        if (list && !name.startsWith("lab") && name !== "factors") {
+          const near = all => all.map((_, i) => { const some = all.slice(Math.max(i - 2, 0), i + 3); return sum(some) / some.length; });
+          beyond = near(beyond);
+          // at single wavelengths fringes change nothing by accident
+          directions = near(directions).map((mean, i) => Math.max(mean, directions[i]));
+        }
+        const found = values.map((_, i) => Math.sqrt(variances[i][0] + Math.max(beyond[i], 0) / 4 + by(1, i) ** 2 + directions[i]));
         errors[name] = list ? found : found[0];
       }
       return errors;

@@ -20,7 +20,7 @@ struct PrintColour {
 
 fn lit_at_45(results: &Value) -> PrintColour {
     let colour = &results["colours"][1];
-    assert_eq!(colour["conditions"], "45°:0°");
+    assert_eq!(colour["conditions"], "45:0");
     let three = |key: &str| std::array::from_fn(|i| colour[key][i].as_f64().unwrap());
     PrintColour {
         lab: three("lab"),

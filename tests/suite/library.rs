@@ -9,6 +9,7 @@ use super::run_support::{results, results_of, study, succeed, value};
 use inkwave::evaluate::composed::composition::{Composition, compose};
 use inkwave::evaluate::composed::library::Library;
 use inkwave::wave::Wave;
+use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -312,6 +313,45 @@ fn slabs_between_denser_joints_are_their_film() {
         let exact = swing / ((1.0 - face).powi(2) + swing);
         // rounding of six products
         assert!((value(row, "reflectance_normal") - exact).abs() < 1e-9, "{exact}: {row}");
+    }
+}
+
+/// A film that absorbs, denser than its joints, in four slabs and in part of one more: compositions of its plates are the run, and R
+/// and T at 0° those of the film's formula. *Planted*: a library whose media absorb nothing (T .541 for .536).
+#[test]
+fn absorbing_slabs_of_a_library_are_their_film() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let text = "title = \"Film\"\n[stack]\nperiod_um = 0.6\ncomposed = { joint_index = 1.5 }\n[[layer]]\nname = \"film\"\n\
+        thickness_um = [1.2, 1.35]\nslab_um = 0.3\nbinder.index = { n = 1.6, k = 0.02 }\n[[layer.pigment]]\nname = \"unseen\"\n\
+        diameter_nm = 60\nvolume_fraction = 0.05\nindex = { n = 1.60001, k = 0.02 }\n[paper]\nalbedo = 0.8\n[light]\n\
+        wavelengths_nm = [420, 540, 660]\n[run]\nrealisations = 2\nseed = 7\n[resolution]\naccuracy = 3e-2\n";
+    std::fs::write(folder.join("film.toml"), text).unwrap();
+    succeed(&folder.join("film.toml"), &folder.join("film"), &[]);
+    carried_out(&["library", "film", "--output", "film.json"], folder);
+    let library = library_of(&folder.join("film.json"));
+    let run = results(&folder.join("film"));
+    for rows in run["spectra"].as_array().unwrap().chunks(3) {
+        let layer = json!({ "plate": "film", "thickness_um": rows[0]["thickness_um"] });
+        let found = composed(&library, json!({ "layers": [layer], "paper": { "albedo": 0.8 } }));
+        for (own, row) in found["spectra"].as_array().unwrap().iter().zip(rows) {
+            for number in ["reflectance_normal", "transmittance_normal", "lit_at_45", "natural_light"] {
+                let off = value(own, number) - value(row, number);
+                assert!(off.abs() < 1e-12, "{number}: {own} {row}");
+            }
+            let index = Complex64::new(1.6, 0.02);
+            let place = |name: &str| row[name].as_f64().unwrap();
+            let wavenumber = std::f64::consts::TAU / (1e-3 * place("wavelength_nm"));
+            let once = (Complex64::I * wavenumber * index * place("thickness_um")).exp();
+            let face = (1.0 - index) / (1.0 + index);
+            let many = 1.0 / (1.0 - face * face * once * once);
+            let reflected = (face * (1.0 - once * once) * many).norm_sqr();
+            let passed = ((1.0 - face * face) * once * many).norm_sqr();
+            // the grid's own estimate of its error is 6e-6
+            for (name, wanted) in [("reflectance_normal", reflected), ("transmittance_normal", passed)] {
+                assert!((value(row, name) - wanted).abs() < 2e-5, "{name} {wanted}: {row}");
+            }
+        }
     }
 }
 

@@ -227,6 +227,12 @@ fn slips_in_values_and_labels_of_an_axis_are_told() {
     slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "an empty list", "from, to"]);
     let once = ["axis[0].count", "found 1 from 0.1 to 0.15", "2 or more", "values = […]"];
     slip("values = [0.10, 0.15]", "from = 0.10\nto = 0.15\ncount = 1", &once);
+    let short = ["axis[0].step", "0.04 from 0.1, which ends at 0.14 before 0.15", "to = 0.14"];
+    slip(
+        "values = [0.10, 0.15]\nlabels = [\"10 %\", \"15 %\"]",
+        "from = 0.10\nto = 0.15\nstep = 0.04",
+        &short,
+    );
     let alone = ["axis[1].zip", "found \"a\" of one axis", "two axes or more", "remove it"];
     slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"", &alone);
     slip("name = \"paper\"", "name = \" \"", &["axis[2].name", "a blank name", "name the axis"]);
@@ -278,6 +284,10 @@ fn slips_in_exclusions_and_in_the_base_are_told() {
         "[[exclude]]\nwhere = { colour = 1 }\n[[axis]]",
         &["exclude[0].where", "share, size, paper"],
     );
+    let nothing = ["override[0].set", "nothing", "one field or more", "run.seed"];
+    slip("[[axis]]", "[[override]]\nwhere = { size = 200 }\nset = {}\n[[axis]]", &nothing);
+    let rows = ["sheet.columns", "\"size\", which are the rows", "another axis than sheet.rows"];
+    slip("[[axis]]", "[sheet]\nrows = \"size\"\ncolumns = \"size\"\n[[axis]]", &rows);
     slip("period_um = 0.8", "period_um = -0.8", &["base.layer.period_um", "-0.8", "µm is usual"]);
 }
 

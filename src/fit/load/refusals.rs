@@ -1,5 +1,6 @@
 //! Settings of a fit that are refused.
 
+use super::shares::BINDER;
 use super::{FitReading, FitTask};
 use crate::fit::file::{AlsoFitted, FitFile, FitTable, KNOWN_ERROR, PriorName};
 use crate::input::limits::{ANCHOR_NM, DENSITY, INDEX};
@@ -28,7 +29,22 @@ impl FitReading<'_> {
         }
         for (name, density) in &fit.densities_g_per_cm3 {
             let usual = "1.1 is usual for a binder, 1.5 for an organic pigment, 4 to 5 for an oxide";
-            self.faults.number(&format!("fit.densities_g_per_cm3.{name}"), *density, DENSITY, usual);
+            let field = format!("fit.densities_g_per_cm3.{name}");
+            self.faults.number(&field, *density, DENSITY, usual);
+            let names: Vec<String> = self.all_pigments().into_iter().map(|pigment| pigment.name).collect();
+            if name != BINDER && !names.contains(name) {
+                let allowed = format!("{BINDER}, and the names of the base's pigments: {}", names.join(", "));
+                self.faults.add(
+                    &field,
+                    "an unknown name",
+                    allowed,
+                    "write the pigment's name as in the base",
+                );
+            }
+        }
+        if fit.also.iter().enumerate().any(|(place, number)| fit.also[..place].contains(number)) {
+            let found = "one number twice";
+            self.faults.add("fit.also", found, "every number once", "remove one of them");
         }
         self.check_known(fit);
     }
@@ -41,6 +57,11 @@ impl FitReading<'_> {
         let measured = "give n where it was measured, such as n_nm = 589 and n = 1.65 by immersion";
         self.faults.number("fit.known_n.n", known.n, INDEX, measured);
         self.faults.number("fit.known_n.n_error", known.n_error, KNOWN_ERROR, "0.01 is usual");
+        let [from, to] = fit.n;
+        if from < to && !(from..=to).contains(&known.n) {
+            let allowed = format!("within fit.n = [{from}, {to}]");
+            self.faults.add("fit.known_n.n", known.n, allowed, "correct it, or widen fit.n");
+        }
         if fit.prior != PriorName::KramersKronig {
             let allowed = "fit.prior = \"kramers-kronig\", which carries n from one wavelength to all";
             let remedy = "leave fit.prior out, or remove fit.known_n";

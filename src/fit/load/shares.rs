@@ -63,6 +63,10 @@ impl Shares {
         let of_volume: Vec<Option<f64>> = if key == "weights" {
             let volumes = volumes(field, parts, densities)?;
             let sum: f64 = volumes.values().sum();
+            if sum <= 0.0 {
+                let remedy = "write parts by weight, such as { red = 3, binder = 40 }";
+                return Err(Fault::new(format!("{field}.weights"), "0 in all", "more than 0 in all", remedy));
+            }
             names
                 .iter()
                 .map(|name| Some(volumes.get(name.as_str()).map_or(0.0, |volume| volume / sum)))

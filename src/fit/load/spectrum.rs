@@ -13,6 +13,10 @@ const BRIGHTEST: f64 = 1.02;
 /// Smallest reflectance factor accepted: instrument noise at black.
 const DARKEST: f64 = -0.02;
 
+/// Distance of rows above which it is said that values between them are interpolated, nm: no
+/// spectrophotometer has wider steps.
+const WIDEST_NM: f64 = 50.0;
+
 /// A measured spectrum at the wavelengths of a study.
 pub(super) struct FitSpectrum {
     pub(super) values: Vec<f64>,
@@ -70,6 +74,16 @@ impl FitReading<'_> {
                 "fluorescent layers cannot be fitted; for values in percent write unit = \"percent\"";
             self.faults.add(format!("{field}.file"), format!("{value} at {nm} nm"), allowed, remedy);
             return None;
+        }
+        let hole = |nm: f64| {
+            let mut pairs = spectrum.rows.windows(2).map(|pair| [pair[0][0], pair[1][0]]);
+            pairs.find(|[a, b]| *a < nm && nm < *b && b - a > WIDEST_NM)
+        };
+        if let Some((nm, [a, b])) = waves.iter().find_map(|&nm| Some((nm, hole(nm)?))) {
+            self.remarks.push(format!(
+                "{field}.file: no row between {a} and {b} nm, where the base has {nm} nm: values there are interpolated, and fitted \
+                 as if measured; leave such wavelengths out of the base's [light]"
+            ));
         }
         let [from, to] = spectrum.range_nm();
         let values: Option<Vec<f64>> = waves.iter().map(|&nm| spectrum.at(nm)).collect();

@@ -138,7 +138,10 @@ impl Data<'_> {
         let degrees_of_freedom = data as f64 - step.effective;
         let trust = Trust::of(step.chi_squared, degrees_of_freedom);
         let is_there = step.to_go() < super::CLOSE;
-        let trust = if is_there || trust == Trust::Contradicted { trust } else { Trust::Unconverged };
+        // a study is wrong only if it stays so with what the step left would gain
+        let reachable = Trust::of(step.chi_squared - step.promised.max(0.0), degrees_of_freedom);
+        let is_sure = is_there || reachable == Trust::Contradicted;
+        let trust = if is_sure { trust } else { Trust::Unconverged };
         let stated = trust != Trust::Contradicted;
         let is_large = matches!(trust, Trust::Inflated | Trust::Unconverged);
         let ratio = (step.chi_squared / degrees_of_freedom.max(1.0)).max(1.0);

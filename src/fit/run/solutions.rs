@@ -32,9 +32,9 @@ pub(super) fn concluded(task: &FitTask, mut solutions: Vec<FitSolution>) -> Resu
     let Some(other) = other else { return Ok(with_advice(task, outcome, best, None)) };
     // one that has not converged may yet fall by what its derivatives promise
     let promised = other.step.promised;
+    // not χ² alone: the one that may bend more, with more effective unknowns, has less of it
     let worse = cost(other) - cost(best);
-    let more = other.outcome.chi_squared - outcome.chi_squared;
-    if worse.max(more) - promised > AS_GOOD {
+    if worse - promised > AS_GOOD {
         let excluded = format!(
             "a second solution with mean n ≈ {:.2}, which fitted the coarse table, is excluded by the solves (χ² {:.0} \
              against {:.0}; −2 ln of the probability of the data larger by {worse:.0})",

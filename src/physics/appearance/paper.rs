@@ -77,7 +77,7 @@ pub enum PaperError {
     },
 }
 
-/// Angle of incidence in print measurement (ISO 13655: 45°:0°), degrees; every colour needs it
+/// Angle of incidence in print measurement (ISO 13655: 45:0), degrees; every colour needs it
 /// besides 0°.
 pub const PRINT_DEG: f64 = 45.0;
 /// Smallest fraction of light that must escape; below it, a layer on paper is a closed cavity.

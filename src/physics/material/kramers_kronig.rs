@@ -4,16 +4,27 @@
 //!
 //! κ is linear in ω between nodes, so that the integral is a sum of logarithms. Absorption in the
 //! ultraviolet beyond the table is one pole: the constant n∞ it gives far to the red, and its slope
-//! c p. One known n, the anchor, takes the place of n∞. What a band just beyond an end of the table
-//! may add is an error of n, by κ and its slope there.
+//! c p. How strong it is follows from n itself: the higher n, the nearer its bands, by the law that
+//! S. H. Wemple and M. DiDomenico found for a hundred solids (Phys. Rev. B 3 (1971) 1338),
+//!
+//!   n² − 1 = E_d E_0/(E_0² − E²),   of which dn/dE² ≈ (n² − 1)³/(2 n E_d²),
+//!
+//! with E_d of 15 to 30 eV. One known n, the anchor, takes the place of n∞. What a band just beyond
+//! an end of the table may add is an error of n, by κ and its slope there.
 
 use std::f64::consts::PI;
 
 /// Wavelength of the pole in the ultraviolet, µm, for tables that begin at twice it or later.
 pub const POLE_UM: f64 = 0.2;
-/// Strength c of the pole, and its standard error: silica, calcite and the listed polymers have
-/// 0.06 to 0.18 (a test reads them from their records).
+/// Least strength c of the pole, and its standard error: silica, calcite and the listed polymers
+/// have 0.06 to 0.18 (a test reads them from their records).
 pub const POLE_STRENGTH: [f64; 2] = [0.1, 0.1];
+/// E_d of Wemple and DiDomenico, eV: 15 of silica and 26 of rutile and ZnS; and what it leaves open
+/// of the strength.
+const DISPERSION_EV: f64 = 24.0;
+const OPEN: f64 = 0.65;
+/// Photon energy times wavelength, eV µm.
+const EV_UM: f64 = 1.239_842;
 /// κ beyond an end of the table falls linearly to 0 within the first share of the end's ω; that it
 /// does so within the second instead is the standard error.
 const TAIL: [f64; 2] = [0.15, 0.45];
@@ -208,7 +219,11 @@ pub fn real_part(rows: &[[f64; 2]], known: KnownIndex) -> RealPart {
     let longer = beyond(End::Long, [far, near]);
     let shorter = beyond(End::Short, [near, far]);
     let pole_um = POLE_UM.min(0.5 * rows[0][0]);
-    let [strength, error] = POLE_STRENGTH;
+    let of_ultraviolet = match known {
+        KnownIndex::Infinity(n) => n,
+        KnownIndex::At { wavelength_um, n } => n - central.integral(1.0 / wavelength_um),
+    };
+    let [strength, error] = pole_strength(of_ultraviolet, pole_um);
     let pole = |w: f64| (w * pole_um).powi(2) / (1.0 - (w * pole_um).powi(2));
     // [n, change by the ultraviolet, change by the infrared] up to constants
     let parts = |w: f64| {
@@ -226,6 +241,18 @@ pub fn real_part(rows: &[[f64; 2]], known: KnownIndex) -> RealPart {
     let all: Vec<[f64; 3]> = rows.iter().map(|[um, _]| parts(1.0 / um)).collect();
     let column = |i: usize| all.iter().map(|parts| parts[i] + constant[i]).collect();
     RealPart { n: column(0), ultraviolet: column(1), infrared: column(2) }
+}
+
+/// Strength of the pole and its standard error, where absorption in the ultraviolet alone gives
+/// this n.
+fn pole_strength(n: f64, pole_um: f64) -> [f64; 2] {
+    let slope = (n * n - 1.0).max(0.0).powi(3) / (2.0 * n.max(1.0) * DISPERSION_EV.powi(2));
+    // the slope of p with E², far to the red of the pole
+    let of_pole = (pole_um / EV_UM).powi(2);
+    let nearer = (POLE_UM / pole_um).powi(2);
+    let [least, error] = POLE_STRENGTH.map(|usual| usual * nearer);
+    let strength = least.max(slope / of_pole);
+    [strength, error.max(OPEN * strength)]
 }
 
 /// Change of n at the rows by a change of κ there, with n kept where it is known.

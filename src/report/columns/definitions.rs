@@ -43,8 +43,15 @@ pub(super) const COLUMNS: &[Definition] = &[
     plain("transmittance_normal", "layer alone, without paper: T of light at 0°"),
     plain("reflectance_45", "layer alone, without paper: R of light at 45°"),
     plain("transmittance_45", "layer alone, without paper: T of light at 45°"),
-    plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light"),
-    plain("transmittance_diffuse", "layer alone, without paper: T of diffuse light"),
+    plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light, polarised as the study's"),
+    only(
+        &["instruments.csv"],
+        plain("transmittance_diffuse", "layer alone, without paper: T of unpolarised diffuse light"),
+    ),
+    plain(
+        "transmittance_diffuse",
+        "layer alone, without paper: T of diffuse light, polarised as the study's",
+    ),
     plain(
         "absorptance_behind",
         "layer alone, without paper: absorbed share of unpolarised diffuse light from behind, as the paper sends it",

@@ -182,7 +182,7 @@ fn without_layers(manifest: &Manifest) -> Drawing {
     curves.retain(Curve::has_points);
     let first = called(manifest, um);
     let caption = format!(
-        "At 45°:0°, as a share of a perfect white: all layers on the paper{}, and the same without each of them, its \
+        "At 45:0, as a share of a perfect white: all layers on the paper{}, and the same without each of them, its \
          neighbours meeting at a plane face{} (left-out.csv, also under natural light).",
         if first.is_empty() { first } else { format!(" ({first})") },
         if study.stack.len() > 2 { "; dashed: each layer alone" } else { "" },
@@ -206,7 +206,7 @@ fn densities(manifest: &Manifest) -> Drawing {
     }
     curves.retain(Curve::has_points);
     let chart = Chart::linear("", WAVELENGTH, "density", curves);
-    let caption = "Densities at 45°:0° of the stack, and the sum of those of its layers, each alone on the paper \
+    let caption = "Densities at 45:0 of the stack, and the sum of those of its layers, each alone on the paper \
                    (densities.csv has their quotient). Layers that only filter each other's light have one density.";
     (!chart.curves.is_empty()).then(|| ("Densities", Chart { from_zero: true, ..chart }, caption.to_owned()))
 }

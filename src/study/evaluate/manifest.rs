@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
-pub const LIT_AT_45: &str = "45°:0°";
+pub const LIT_AT_45: &str = "45:0";
 /// Name of illumination by a uniform sky, viewed along the normal.
 pub const NATURAL_LIGHT: &str = "natural light";
 

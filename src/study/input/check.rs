@@ -248,6 +248,12 @@ fn remark_on_inputs(study: &mut Study) {
              {last_nm} nm): colours under it hold less emission than under a real lamp"
         ));
     }
+    if study.realisations == 1 && !study.pigments.is_empty() {
+        study.remarks.push(
+            "run.realisations = 1: spectra, colours and numbers have no error bars, as one packing tells nothing of their scatter; 8 or more do"
+                .into(),
+        );
+    }
     let visible_nm = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
     if study.paper.dots.is_some()
         && let Err(error) = Colorimeter::new(visible_nm)

@@ -55,10 +55,22 @@ pub struct Resolved {
 }
 
 impl Resolved {
-    /// The grid of a wave in a cell: that of the shortest wave, coarsened if the wave is longer.
+    /// The grid of a wave in a cell: that of the shortest wave, coarsened if the wave is longer. A
+    /// slab beside a denser medium than that slab has on which the grid was chosen has points for
+    /// the orders there.
     pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
         let finest = self.chosen_for.unwrap_or_else(|| Finest::of(study));
-        coarsened(study, self.for_cell(draw), wavelength_um, finest, self.longer_waves)
+        let grid = coarsened(study, self.for_cell(draw), wavelength_um, finest, self.longer_waves);
+        let Some(index) = study.denser_surroundings(wavelength_um) else { return grid };
+        if study.given_grid(draw).is_some() {
+            return grid;
+        }
+        let points = |n: usize, period_um: f64| {
+            let outermost = (index * period_um / wavelength_um + 0.5).floor() as usize;
+            if n == 1 { 1 } else { n.max(smooth_size(2 * outermost + 1)) }
+        };
+        let [x_um, y_um] = draw.period_um;
+        Resolution { nx: points(grid.nx, x_um), ny: points(grid.ny, y_um), ..grid }
     }
 
     /// The grid of the longest wave, in the cell on which the finest grid was chosen.

@@ -180,6 +180,13 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
     let step = table.step.unwrap_or(if count > 1.0 { (to - from) / (count - 1.0) } else { 0.0 });
     // Rounded to twelve digits: 0.15 + 3 × 0.05 must give 0.3.
     let rounded = |x: f64| format!("{x:.11e}").parse::<f64>().unwrap_or(x);
+    let last = rounded(from + (count - 1.0) * step);
+    if to - last > 1e-6 * step {
+        let found = format!("{step} from {from}, which ends at {last} before {to}");
+        let remedy = format!("write to = {last}, or count in place of step");
+        faults.add(format!("axis[{i}].step"), found, "a step that reaches `to`", remedy);
+        return Vec::new();
+    }
     (0..count as usize).map(|k| Value::Float(rounded(from + k as f64 * step))).collect()
 }
 

@@ -46,6 +46,10 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
     }
     for (i, rule) in file.overrides.iter().enumerate() {
         check_where(&format!("override[{i}].where"), &rule.condition, axes, faults);
+        if rule.set.is_empty() {
+            let remedy = "name the fields to set, such as { \"run.seed\" = 2 }, or remove the override";
+            faults.add(format!("override[{i}].set"), "nothing", "one field or more", remedy);
+        }
     }
     let places = places(axes, faults);
     if !faults.0.is_empty() {

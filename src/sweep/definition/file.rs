@@ -72,7 +72,7 @@ pub struct AxisTable {
     pub from: Option<f64>,
     /// Last value of a range.
     pub to: Option<f64>,
-    /// Step of a range.
+    /// Step of a range, which reaches `to`.
     pub step: Option<f64>,
     /// Number of values from `from` to `to`, both included; replaces `step`.
     pub count: Option<usize>,

@@ -187,6 +187,17 @@ fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fault
             faults.add(field, format!("{name:?}"), "the name of an axis", "name one of the axes");
         }
     }
+    if let Some(rows) = file.sheet.rows.as_ref().filter(|_| file.sheet.rows == file.sheet.columns)
+        && faults.0.is_empty()
+    {
+        let remedy = "leave one of them out, or name another axis";
+        faults.add(
+            "sheet.columns",
+            format!("{rows:?}, which are the rows"),
+            "another axis than sheet.rows",
+            remedy,
+        );
+    }
     let sound = faults.0.is_empty();
     let claims = if sound { claims::claims(file, axes, drafts, faults) } else { Vec::new() };
     let everything = Where::new();

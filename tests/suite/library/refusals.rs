@@ -25,7 +25,7 @@ fn libraries_that_do_not_fit_are_refused() {
         change(&mut value);
         std::fs::write(folder.join(name), value.to_string()).unwrap();
     };
-    changed("newer.json", &|value| value["inkwave_library"] = json!(5));
+    changed("newer.json", &|value| value["inkwave_library"] = json!(6));
     changed("method.json", &|value| value["method"] = json!(9));
     changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
     changed("less.json", &|value| {
@@ -36,7 +36,7 @@ fn libraries_that_do_not_fit_are_refused() {
     std::fs::write(folder.join("text.json"), "no library").unwrap();
     let method = format!("method: found 9; allowed {METHOD_VERSION}");
     let libraries: [(&str, &str); 8] = [
-        ("newer.json", "found form 5; allowed up to 4"),
+        ("newer.json", "found form 6; allowed up to 5"),
         ("method.json", &method),
         ("less.json", "incomplete"),
         ("cut.json", "incomplete"),
@@ -125,4 +125,46 @@ fn compositions_that_do_not_fit_are_refused() {
         let said = refused(&["compose", "one.toml"], folder);
         assert!(said.contains(words), "{words}: {said}");
     }
+}
+
+/// Files of another kind than a command takes: what they are, and the command that takes them; studies in JSON, which none takes.
+#[test]
+fn files_of_another_kind_are_named() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    std::fs::write(folder.join("library.json"), data("library.json")).unwrap();
+    write("study.toml", PLATES);
+    write("study.json", "{\"layer\": {\"thickness_um\": 1}, \"pigment\": []}");
+    write("sweep.toml", "base = \"study.toml\"\n[[axis]]\nfield = \"run.seed\"\nvalues = [1, 2]\n");
+    write("fit.toml", "base = \"study.toml\"\n[fit]\n[[measured]]\nfile = \"a.csv\"\n");
+    write("case.json", "{\"wavelength\": 0.55, \"inputs\": {}}");
+    for (name, kind, command) in [
+        ("study.toml", "study", "run"),
+        ("sweep.toml", "sweep", "sweep"),
+        ("fit.toml", "fit", "fit"),
+        ("case.json", "case", "solve"),
+    ] {
+        let takers = [("run", "study"), ("sweep", "sweep"), ("fit", "fit"), ("design", "design")];
+        for (other, expected) in takers.into_iter().filter(|(_, expected)| *expected != kind) {
+            let said = refused(&[other, name], folder);
+            let words = format!("{name} is a {kind}, and this command reads a {expected}");
+            assert!(
+                said.contains(&words) && said.contains(&format!("inkwave {command} ")),
+                "{other} {name}: {said}"
+            );
+        }
+        if kind != "case" {
+            let said = refused(&["compose", name], folder);
+            assert!(said.contains(&format!("{name} is a {kind}")), "{said}");
+        }
+    }
+    for command in ["run", "sweep", "fit", "design", "compose"] {
+        let said = refused(&[command, "study.json"], folder);
+        assert!(
+            said.contains("study.json is a study in JSON; allowed: a study in TOML"),
+            "{command}: {said}"
+        );
+    }
+    assert!(!folder.join("out").exists());
 }

@@ -192,7 +192,7 @@ fn prints_take_the_paper_between_the_wavelengths() {
     let dip = "albedo = [[400, 0.9], [540, 0.9], [550, 0.3], [560, 0.9], [700, 0.9]]";
     let text = ink_of_thickness(0.5).replace("albedo = 0.93", dip);
     let results = place.run("dip", &format!("{text}{DOTS}"));
-    let page = results["colours"].as_array().unwrap().iter().find(|colour| colour["conditions"] == "45°:0°");
+    let page = results["colours"].as_array().unwrap().iter().find(|colour| colour["conditions"] == "45:0");
     let page: Vec<f64> =
         page.unwrap()["lab"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
     let prints = results["prints"]["prints"].as_array().unwrap();

@@ -17,7 +17,7 @@ const COUNTS: [i64; 2] = [5, 4];
 pub fn seeds(findings: &mut Findings) {
     for count in COUNTS {
         let all: Vec<Value> = side_by_side(SEEDS as usize, |seed| study(count, 1 + seed as i64));
-        for (place, light) in ["natural light", "45°:0°"].into_iter().enumerate() {
+        for (place, light) in ["natural light", "45:0"].into_iter().enumerate() {
             for (i, axis) in ["L*", "a*", "b*"].into_iter().enumerate() {
                 let number = |key: &str, results: &Value| {
                     results["colours"][place][key][i].as_f64().expect("a number")

@@ -79,6 +79,9 @@ pub fn judged(
     let by_fringes = change(evaluated(whole, Change { fewer_directions: true, ..Change::default() }));
     let by_moments = change(evaluated(whole, Change { without_highest_moment: true, ..Change::default() }));
     let by_directions = by_fringes.zipped(by_moments, |fringes, moments| fringes.hypot(moments / THINNED));
+    let squares = by_directions.clone().map(|change| change.powi(2));
+    // at single wavelengths fringes change nothing by accident
+    let by_directions = by_directions.zipped(over_wavelengths(&squares, root_of_mean), f64::max);
     let of_whole = replicates(evaluated, whole);
     let chance = variances(&of_whole, &numbers);
     let chance_of_half = variances(&replicates(evaluated, half), &numbers);
@@ -146,36 +149,44 @@ fn errors_of_composing(
     by_chance: ComposedNumbers<f64>,
 ) -> ComposedNumbers<f64> {
     let beyond = changes.zipped(by_chance, |change, by_chance| change.powi(2) - by_chance);
+    over_wavelengths(&beyond, error_of_composing)
+}
+
+/// An error from the squares of a quantity at the wavelengths near.
+type ErrorNear = fn(&[f64]) -> f64;
+
+/// The errors of all quantities, each from its squares at the wavelengths near; of what has no
+/// wavelength from its own alone.
+fn over_wavelengths(squares: &ComposedNumbers<f64>, error: ErrorNear) -> ComposedNumbers<f64> {
+    let of_thickness = |numbers: &ThicknessNumbers<f64>| thickness_errors(numbers, error);
+    let absorbed =
+        |all: &Vec<Vec<f64>>| over_neighbours(all, |near, here| absorbed_errors(near, here.len(), error));
+    let distributed = |all: &Vec<Distribution<f64>>| {
+        over_neighbours(all, |near, here| distribution_errors(near, here, error))
+    };
     ComposedNumbers {
-        requested: beyond.requested.iter().map(thickness_errors).collect(),
-        curve: beyond.curve.iter().map(thickness_errors).collect(),
-        hiding: beyond.hiding.map(|hiding| HidingNumbers {
-            below: thickness_errors(&hiding.below),
-            above: thickness_errors(&hiding.above),
-            thickness_um: error_of_composing(&[hiding.thickness_um]),
+        requested: squares.requested.iter().map(of_thickness).collect(),
+        curve: squares.curve.iter().map(of_thickness).collect(),
+        hiding: squares.hiding.as_ref().map(|hiding| HidingNumbers {
+            below: of_thickness(&hiding.below),
+            above: of_thickness(&hiding.above),
+            thickness_um: error(&[hiding.thickness_um]),
         }),
-        medium: over_neighbours(&beyond.medium, |near, _| MediumNumbers::combined(near, error_of_composing)),
-        distributions: beyond
-            .distributions
-            .iter()
-            .map(|all| over_neighbours(all, distribution_errors))
-            .collect(),
-        absorbed: beyond
-            .absorbed
-            .iter()
-            .map(|all| over_neighbours(all, |near, here| absorbed_errors(near, here.len())))
-            .collect(),
-        left_out: beyond.left_out.iter().map(left_out_errors).collect(),
+        medium: over_neighbours(&squares.medium, |near, _| MediumNumbers::combined(near, error)),
+        distributions: squares.distributions.iter().map(distributed).collect(),
+        absorbed: squares.absorbed.iter().map(absorbed).collect(),
+        left_out: squares.left_out.iter().map(|numbers| left_out_errors(numbers, error)).collect(),
     }
 }
 
-fn left_out_errors(beyond: &LeftOutNumbers<f64>) -> LeftOutNumbers<f64> {
+fn left_out_errors(beyond: &LeftOutNumbers<f64>, error: ErrorNear) -> LeftOutNumbers<f64> {
     let of_number = |near: &[DensityNumbers<f64>], number: fn(&DensityNumbers<f64>) -> f64| {
-        error_of_composing(&near.iter().map(number).collect::<Vec<_>>())
+        error(&near.iter().map(number).collect::<Vec<_>>())
     };
+    let of_thickness = |numbers: &ThicknessNumbers<f64>| thickness_errors(numbers, error);
     LeftOutNumbers {
-        without: beyond.without.iter().map(thickness_errors).collect(),
-        alone: beyond.alone.iter().map(thickness_errors).collect(),
+        without: beyond.without.iter().map(of_thickness).collect(),
+        alone: beyond.alone.iter().map(of_thickness).collect(),
         densities: over_neighbours(&beyond.densities, |near, _| DensityNumbers {
             stack: of_number(near, |densities| densities.stack),
             layers: of_number(near, |densities| densities.layers),
@@ -184,10 +195,10 @@ fn left_out_errors(beyond: &LeftOutNumbers<f64>) -> LeftOutNumbers<f64> {
     }
 }
 
-fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
-    let alone = |beyond: f64| error_of_composing(&[beyond]);
+fn thickness_errors(beyond: &ThicknessNumbers<f64>, error: ErrorNear) -> ThicknessNumbers<f64> {
+    let alone = |beyond: f64| error(&[beyond]);
     ThicknessNumbers {
-        spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error_of_composing)),
+        spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error)),
         colours: beyond.colours.map(|colours: ColourNumbers<f64>| colours.map(alone)),
         weighted: beyond.weighted.iter().map(|beyond| alone(*beyond)).collect(),
         prints: beyond.prints.iter().map(|print| print.clone().map(&alone)).collect(),
@@ -195,11 +206,15 @@ fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
 }
 
 /// A distribution's errors: every node's from those of its number at the wavelengths near.
-fn distribution_errors(near: &[Distribution<f64>], here: &Distribution<f64>) -> Distribution<f64> {
+fn distribution_errors(
+    near: &[Distribution<f64>],
+    here: &Distribution<f64>,
+    error_near: ErrorNear,
+) -> Distribution<f64> {
     let errors = |lobe: fn(&Distribution<f64>) -> &[f64]| {
         let error = |node: usize| {
             let values = near.iter().filter_map(|other| lobe(other).get(node).copied());
-            error_of_composing(&values.collect::<Vec<_>>())
+            error_near(&values.collect::<Vec<_>>())
         };
         (0..lobe(here).len()).map(error).collect()
     };
@@ -207,10 +222,10 @@ fn distribution_errors(near: &[Distribution<f64>], here: &Distribution<f64>) -> 
 }
 
 /// The errors of what layers absorb, each from those of its layer at the wavelengths near.
-fn absorbed_errors(near: &[Vec<f64>], layers: usize) -> Vec<f64> {
+fn absorbed_errors(near: &[Vec<f64>], layers: usize, error_near: ErrorNear) -> Vec<f64> {
     let error = |layer: usize| {
         let values = near.iter().filter_map(|other| other.get(layer).copied());
-        error_of_composing(&values.collect::<Vec<_>>())
+        error_near(&values.collect::<Vec<_>>())
     };
     (0..layers).map(error).collect()
 }
@@ -223,7 +238,11 @@ fn over_neighbours<R>(rows: &[R], new: impl Fn(&[R], &R) -> R) -> Vec<R> {
 
 /// The error of composing from squares of changes, chance taken off.
 fn error_of_composing(beyond: &[f64]) -> f64 {
-    (beyond.iter().sum::<f64>() / beyond.len() as f64).max(0.0).sqrt() / HALVED
+    root_of_mean(beyond) / HALVED
+}
+
+fn root_of_mean(squares: &[f64]) -> f64 {
+    (squares.iter().sum::<f64>() / squares.len() as f64).max(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -135,9 +135,9 @@ impl LayerInColour<'_> {
         let natural_light = keep(natural_light, "under natural light");
         let lit_at_45 = LayerSpectrum { rows: |row| row.layer.lit_at_45, of: |layer| layer.lit_at_45 };
         let lit_at_45 = self.judged(lit_at_45, numbers.lit_at_45, (one_side, lit_beyond));
-        let lit_at_45 = keep(lit_at_45, "at 45°:0°");
+        let lit_at_45 = keep(lit_at_45, "at 45:0");
         let over_black = self.judged(OVER_BLACK, numbers.over_black, (one_side, no_paper));
-        let over_black = keep(over_black, "at 45°:0° over black");
+        let over_black = keep(over_black, "at 45:0 over black");
         let contrast_ratio = match self.contrast_ratio(numbers.contrast_ratio) {
             Ok(ratio) => Some(ratio),
             Err(reason) => {

@@ -19,11 +19,12 @@ use crate::numerics::allowed::brief;
 use crate::store::identity::METHOD_VERSION;
 use crate::wave::Wave;
 use gathering::lights;
+use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the form that is written, and the newest that is read.
-pub const LIBRARY_FORM: u32 = 4;
+pub const LIBRARY_FORM: u32 = 5;
 /// Difference of indices and of directions that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -137,6 +138,10 @@ pub struct LibraryPlate {
     pub title: String,
     /// At every wavelength: real index of the even medium that its mean wave is compared with.
     pub within: Vec<f64>,
+    /// At every wavelength: imaginary part of that medium's permittivity, which absorbs; forms
+    /// before 5 have none.
+    #[serde(default)]
+    pub loss: Vec<f64>,
     /// The portions that it is made of.
     pub portions: Vec<LibraryPortion>,
 }
@@ -247,7 +252,8 @@ impl Library {
             }
             for halved in [false, true] {
                 let kept = self.portions_of(number, halved)?;
-                if kept.is_empty() || plate.within.len() != self.wavelengths_nm.len() {
+                let wavelengths = self.wavelengths_nm.len();
+                if kept.is_empty() || [plate.within.len(), plate.loss.len()] != [wavelengths; 2] {
                     return Err(format!(
                         "plate {:?}: lacks portions or wavelengths; gather it again",
                         plate.name
@@ -314,6 +320,9 @@ impl Library {
     pub(super) fn portions_of(&self, number: usize, halved: bool) -> Result<Vec<KeptPortion>, String> {
         let plate = &self.plates[number];
         let own = plate.portions.iter().filter(|portion| portion.halved == halved);
+        let media = plate.within.iter().zip(&plate.loss);
+        let permittivities: Vec<_> =
+            media.map(|(index, loss)| Complex64::new(index * index, *loss)).collect();
         let kept = |portion: &LibraryPortion| -> Result<KeptPortion, String> {
             let states =
                 portion.states.iter().map(|states| self.unpacked(states)).collect::<Option<Vec<_>>>();
@@ -326,7 +335,7 @@ impl Library {
                 position: portion.position,
                 slab_um: portion.thickness_um,
                 grid_error: portion.grid_error,
-                permittivities: plate.within.iter().map(|index| (index * index).into()).collect(),
+                permittivities: permittivities.clone(),
                 states,
             })
         };

@@ -184,17 +184,36 @@ impl Study {
 
     /// Real indices in front and behind: those of the layer's surroundings, or its own.
     pub(super) fn outer_indices(&self, wavelength_um: f64) -> [f64; 2] {
-        if let Some(Portion { position, stacked: Some(stacked), .. }) = self.portion() {
+        match self.portion() {
+            Some(portion) => self.indices_around(portion, wavelength_um),
+            None => [self.layer.index_in, self.layer.index_out],
+        }
+    }
+
+    /// Real indices in front of a portion and behind it.
+    fn indices_around(&self, portion: &Portion, wavelength_um: f64) -> [f64; 2] {
+        if let Portion { position, stacked: Some(stacked), .. } = portion {
             return stacked.between(*position, wavelength_um);
         }
         let within = || self.embedding_index(wavelength_um);
         let (before, behind) = (self.layer.index_in, self.layer.index_out);
-        match self.portion().map(|portion| portion.position) {
-            None | Some(Position::Whole) => [before, behind],
-            Some(Position::Inner) => [within(); 2],
-            Some(Position::Front) => [before, within()],
-            Some(Position::Back) => [within(), behind],
+        match portion.position {
+            Position::Whole => [before, behind],
+            Position::Inner => [within(); 2],
+            Position::Front => [before, within()],
+            Position::Back => [within(), behind],
         }
+    }
+
+    /// Index of the denser medium around a slab, where it is denser than those around the slab that
+    /// its grid is chosen for, so that more orders propagate.
+    pub fn denser_surroundings(&self, wavelength_um: f64) -> Option<f64> {
+        let portion = self.portion()?;
+        let [own, of_first] = [portion, &portion.first()].map(|portion| {
+            let [before, behind] = self.indices_around(portion, wavelength_um);
+            before.max(behind)
+        });
+        (own > of_first + 1e-9).then_some(own)
     }
 
     /// The states of light on both sides of a portion; `None` for other studies.

@@ -24,7 +24,7 @@ use self::element::{TURNED_BACK, TrappedElement};
 use self::even_slab::normal;
 use super::film_matrix::FilmMatrix;
 use super::slab_film::CoherentFilm;
-use super::stack_film::{FilmElement, Mirrors, SolvedElement, StackFilm};
+use super::stack_film::{FilmElement, FilmFace, Mirrors, SolvedElement, StackFilm};
 use super::{FAINT, Lobes, MOST_FRINGES, MeanField, passive, shares};
 use crate::appearance::composed::flux::Coherent;
 use crate::appearance::composed::ordinates::{DirectionZone, NARROWEST, Ordinates};
@@ -64,7 +64,7 @@ pub(super) enum TrappedPart<'a> {
     /// A slab, or a whole layer, that was solved between two half-spaces.
     Solved(TrappedSlab<'a>),
     /// A plane face between two media.
-    Face([Complex64; 2]),
+    Face(FilmFace),
     /// An even medium.
     Even { index: Complex64, thickness_um: f64 },
 }
@@ -136,7 +136,7 @@ impl<'a> TrappedPart<'a> {
                 let amplitudes = &solved.amplitudes;
                 Self::Solved(TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count })
             }
-            FilmElement::Face(media) => Self::Face(*media),
+            FilmElement::Face(face) => Self::Face(*face),
             FilmElement::Even { index, thickness_um } => {
                 Self::Even { index: *index, thickness_um: *thickness_um }
             }
@@ -229,7 +229,10 @@ impl TrappedZone {
                     let beyond = || TrappedElement::beyond_solves(slab, light, &zone, is_last);
                     propagates.then(own).flatten().unwrap_or_else(beyond)
                 }
-                TrappedPart::Face(media) => TrappedElement::Face(media.map(|index| index * index)),
+                TrappedPart::Face(face) => TrappedElement::Face {
+                    squared: face.indices.map(|index| index * index),
+                    composed: face.composed.map(|index| (index * index).into()),
+                },
                 TrappedPart::Even { index, thickness_um } => {
                     TrappedElement::Even { squared: index * index, thickness_um: *thickness_um }
                 }
@@ -285,7 +288,8 @@ impl TrappedZone {
         for element in &self.elements {
             let next = element.at(&weights, sine, self.polarisation, self.wavenumber);
             whole = whole.then(next);
-            powers = powers.then(if element.passes(sine) { next.powers() } else { TURNED_BACK });
+            let own = element.powers(next, sine, self.polarisation);
+            powers = powers.then(if element.passes(sine) { own } else { TURNED_BACK });
         }
         let lobes = |reflected: f64| {
             let reflected = if reflected.is_finite() { reflected } else { 1.0 };

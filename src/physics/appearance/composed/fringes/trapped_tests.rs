@@ -178,7 +178,7 @@ fn light_tunnels_through_a_layer_of_low_index() {
             let slab = TrappedSlab { amplitudes, between, index, thickness_um, mirrors, count: 1.0 };
             TrappedPart::Solved(slab)
         };
-        let face = |before: f64, behind: f64| TrappedPart::Face([before.into(), behind.into()]);
+        let face = |before: f64, behind: f64| TrappedPart::Face(FilmFace::clear([before, behind]));
         let clear = TrappedPart::Even { index: low.into(), thickness_um: low_um };
         let of_own = solved([1.6, 1.0], ink, ink_um);
         let of_low = solved([low, 1.0], ink, ink_um);

@@ -100,6 +100,7 @@ fn plate_of(
             });
         }
     }
+    let even = |nm: &f64| own.even_permittivity(1e-3 * nm);
     LibraryPlate {
         name: study.stack[layer].name.clone(),
         ink: Key::of("ink", &(&own.layer.binder, materials, &packing)).short().to_owned(),
@@ -110,6 +111,7 @@ fn plate_of(
         study: study.key().as_str().to_owned(),
         title: study.title.clone(),
         within: study.wavelengths_nm.iter().map(|nm| own.embedding_index(1e-3 * nm)).collect(),
+        loss: study.wavelengths_nm.iter().map(|nm| even(nm).im).collect(),
         portions: packed,
     }
 }

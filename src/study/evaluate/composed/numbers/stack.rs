@@ -2,7 +2,7 @@
 //! stack is without each layer.
 
 use super::{LayerExtent, LayerTask};
-use crate::appearance::composed::plate::Plate;
+use crate::appearance::composed::fringes::stack_film::StackFilm;
 use crate::appearance::composed::stack::{PlateStack, StackElement};
 use crate::evaluate::composed::distribution::distribution;
 use crate::evaluate::composed::layer::{ComposedLayer, ratio};
@@ -66,7 +66,7 @@ impl LayerTask<'_> {
             let layer = ComposedLayer::of_stack(stack, &film, *wave);
             let own = spectral(&layer, *wave, output.mirrored_sky, *albedo);
             let absorbed = match kept {
-                KeptLayers::All => absorbed_by_layers(stack, *wave, &own.numbers),
+                KeptLayers::All => absorbed_by_layers(stack, &film, *wave, &own.numbers),
                 _ => Vec::new(),
             };
             (own, distribution(&layer.plate, layer.media), absorbed)
@@ -111,12 +111,15 @@ impl LayerTask<'_> {
     }
 }
 
-/// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without
-/// interference say, in proportion, of what R and T with interference leave.
-fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
-    let light = &lights(stack.before(), wave)[0];
-    let nothing = Plate::lambertian(0.0, &stack.behind().weights());
-    let each = stack.absorbed(light, &nothing);
+/// Shares of light at 0° that the layers of a stack absorb, without paper; in all what R and T
+/// leave.
+fn absorbed_by_layers(
+    stack: &PlateStack,
+    film: &StackFilm,
+    wave: Wave,
+    numbers: &LayerNumbers<f64>,
+) -> Vec<f64> {
+    let each = stack.absorbed_at_normal(&lights(stack.before(), wave)[0], film);
     let sum: f64 = each.iter().sum();
     let all = 1.0 - numbers.reflectance_normal - numbers.transmittance_normal;
     each.into_iter().map(|share| share * ratio(all, sum)).collect()

@@ -19,9 +19,21 @@ pub(super) const TURNED_BACK: FilmMatrix<f64> = FilmMatrix { reflected: [1.0; 2]
 /// An element in the known directions of a zone.
 #[derive(Clone, Debug)]
 pub(super) enum TrappedElement {
-    Solved { film: EvenSlab, count: f64, is_last: bool, known: Vec<KnownSlab> },
-    Face([Complex64; 2]),
-    Even { squared: Complex64, thickness_um: f64 },
+    Solved {
+        film: EvenSlab,
+        count: f64,
+        is_last: bool,
+        known: Vec<KnownSlab>,
+    },
+    /// Permittivities of the media, and those of the faces of fluxes.
+    Face {
+        squared: [Complex64; 2],
+        composed: [Complex64; 2],
+    },
+    Even {
+        squared: Complex64,
+        thickness_um: f64,
+    },
 }
 
 impl TrappedElement {
@@ -128,7 +140,7 @@ impl TrappedElement {
             Self::Solved { film, is_last, .. } => {
                 film.index > sine && (*is_last || film.between.iter().all(|index| *index > sine))
             }
-            Self::Face([_, behind]) => behind.re > sine * sine,
+            Self::Face { composed: [_, behind], .. } => behind.re > sine * sine,
             Self::Even { squared, .. } => squared.re > sine * sine,
         }
     }
@@ -136,7 +148,7 @@ impl TrappedElement {
     /// Whether a wave goes on in front of it and behind.
     pub(super) fn goes_on(&self, sine: f64) -> bool {
         let in_front = match self {
-            Self::Face([before, _]) => before.re > sine * sine,
+            Self::Face { composed: [before, _], .. } => before.re > sine * sine,
             _ => true,
         };
         in_front && self.passes(sine)
@@ -160,7 +172,9 @@ impl TrappedElement {
     ) -> FilmMatrix<Complex64> {
         let (film, count, is_last, known) = match self {
             Self::Solved { film, count, is_last, known } => (film, *count, *is_last, known),
-            Self::Face([before, behind]) => return plane(*before, *behind, sine, polarisation),
+            Self::Face { squared: [before, behind], .. } => {
+                return plane(*before, *behind, sine, polarisation);
+            }
             Self::Even { squared, thickness_um } => {
                 let way = (Complex64::I * wavenumber * normal(*squared, sine) * thickness_um).exp();
                 return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
@@ -196,6 +210,22 @@ impl TrappedElement {
         slab(1.0).repeated(count, slab)
     }
 
+    /// What composing makes of it at a lateral wavenumber, where its amplitudes are these: of faces
+    /// those between real indices.
+    pub(super) fn powers(
+        &self,
+        amplitudes: FilmMatrix<Complex64>,
+        sine: f64,
+        polarisation: usize,
+    ) -> FilmMatrix<f64> {
+        match self {
+            Self::Face { composed: [before, behind], .. } => {
+                plane(*before, *behind, sine, polarisation).powers()
+            }
+            _ => amplitudes.powers(),
+        }
+    }
+
     /// Powers in a known direction.
     pub(super) fn solved(
         &self,
@@ -215,7 +245,10 @@ impl TrappedElement {
                 }
                 FilmMatrix { reflected, transmitted: passed }.repeated(*count)
             }
-            plain if plain.passes(sine) => plain.at(&[], sine, polarisation, wavenumber).powers(),
+            plain if plain.passes(sine) => {
+                let amplitudes = plain.at(&[], sine, polarisation, wavenumber);
+                plain.powers(amplitudes, sine, polarisation)
+            }
             _ => TURNED_BACK,
         }
     }
@@ -224,7 +257,7 @@ impl TrappedElement {
     pub(super) fn depth(&self) -> (Complex64, f64) {
         match self {
             Self::Solved { film, count, .. } => ((film.index * film.index).into(), film.thickness_um * count),
-            Self::Face(_) => (Complex64::ONE, 0.0),
+            Self::Face { .. } => (Complex64::ONE, 0.0),
             Self::Even { squared, thickness_um } => (*squared, *thickness_um),
         }
     }
