@@ -158,8 +158,8 @@ fn clear_materials_have_poles_of_the_assumed_strength() {
     }
 }
 
-/// What absorbs nothing where it is seen has the slope of n that n itself tells, from polymers to rutile. *Planted*: one strength of
-/// the pole for all (rutile off by 18 errors at 460 nm).
+/// What absorbs nothing where it is seen has the slope of n that n itself tells, from polymers to
+/// rutile. *Planted*: one strength of the pole for all (rutile off by 18 errors at 460 nm).
 #[test]
 fn a_higher_index_has_a_nearer_ultraviolet() {
     use crate::material::named::NamedMaterial;
