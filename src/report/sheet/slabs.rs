@@ -98,7 +98,8 @@ const NUMBERS: &str = "Weighted numbers of the study against the thickness, with
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
-    incident light. Where their difference falls, light is absorbed.";
+    incident light. Where their difference falls, light is absorbed. Without interference between the layers' \
+    faces, and without error bars.";
 const SPECTRA: &str = "Light that reaches the eye along the normal under natural light, as a share of that of a \
     perfect white, for every thickness asked for.";
 const HIDING: &str = "Contrast ratio (Y over black by Y over white, 45:0) and L*/100 on the paper under natural \

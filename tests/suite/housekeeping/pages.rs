@@ -45,7 +45,7 @@ const OLDER: [(&str, &str); 12] = [
     ("reports/scalar-against-vector", "half an hour of processor time"),
     (
         "reports/library",
-        "plates keep what was solved of every slab, which method 16 leaves alone but for 1e-7",
+        "a library of form 4, which does not say what the media of its slabs absorb; to be made anew",
     ),
     ("reports/measured", "measurements beside formulas, without a solve"),
 ];
