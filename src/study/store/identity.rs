@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 /// Version of the numerical method, increased whenever the same inputs give different numbers, so
 /// that results of older methods are not reused.
-pub const METHOD_VERSION: u32 = 17;
+pub const METHOD_VERSION: u32 = 18;
 
 /// Content hash (BLAKE3, first 128 bits in hexadecimal) of what a result depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -1,5 +1,6 @@
 //! From orders to flux matrices: what one solve adds, and the ensemble's mean with its symmetries.
 
+use super::lattice::OrderLattice;
 use super::ordinates::Ordinates;
 use super::plate::Plate;
 use crate::wave::{Order, Side};
@@ -89,6 +90,8 @@ pub struct Fluxes {
     absorbed: Vec<f64>,
     /// The specular order of every solve.
     beams: Vec<Beam>,
+    /// The orders of light at 0° in both media, by the side of the light.
+    lattices: [[OrderLattice; 2]; 2],
 }
 
 impl Fluxes {
@@ -150,7 +153,10 @@ impl Sides {
     /// The fluxes of one realisation.
     pub fn fluxes<'a>(&self, solves: impl Iterator<Item = Lit<'a>>) -> Fluxes {
         let n = self.states();
-        let mut fluxes = Fluxes { all: Mat::zeros(n, n), absorbed: vec![0.0; n], beams: Vec::new() };
+        let lattices =
+            [(); 2].map(|()| self.media.each_ref().map(|medium| OrderLattice::new(&medium.ordinates)));
+        let mut fluxes =
+            Fluxes { all: Mat::zeros(n, n), absorbed: vec![0.0; n], beams: Vec::new(), lattices };
         solves.for_each(|lit| self.add(&mut fluxes, &lit));
         fluxes
     }
@@ -161,6 +167,10 @@ impl Sides {
         let mut column = vec![0.0; self.states()];
         // unpolarised light at 0° is the mean of two solves
         let part = if lit.direction == 0 { 1.0 / medium.polarisations as f64 } else { 1.0 };
+        if lit.direction == 0 {
+            let lattices = fluxes.lattices[side].iter_mut().zip(&self.media);
+            lattices.for_each(|(lattice, medium)| lattice.add(&medium.ordinates, lit.orders, part));
+        }
         for order in lit.orders {
             let sine = order.direction[0].hypot(order.direction[1]);
             let powers = [order.reflected_efficiency, order.transmitted_efficiency];
@@ -194,7 +204,8 @@ impl Sides {
             (0..n).for_each(|i| absorbed[i] += fluxes.absorbed[i] / count);
         }
         let mut all = Mat::from_fn(n, n, |i, j| all[(i, j)] / count);
-        let mut coherent = self.beams(&mut all, kept);
+        let mut coherent = self.beams(&mut all, kept.clone());
+        self.correct_beams(&mut all, kept);
         if self.alike {
             self.mirror(&mut all, &mut absorbed, &mut coherent);
         }
@@ -223,6 +234,24 @@ impl Sides {
             coherent[side][lobe] = mean;
         }
         coherent
+    }
+
+    /// Makes of the diffuse light from both beams, which is that of orders on a lattice, that of a
+    /// smooth distribution.
+    fn correct_beams<'a>(&self, all: &mut Mat<f64>, kept: impl Iterator<Item = &'a Fluxes> + Clone) {
+        for (side, to) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let medium = &self.media[to];
+            let mut lattice = OrderLattice::new(&medium.ordinates);
+            kept.clone().for_each(|fluxes| lattice.plus(&fluxes.lattices[side][to]));
+            let Some(correction) = lattice.correction(&medium.ordinates) else { continue };
+            let beam = self.first(side);
+            for polarisation in 0..medium.polarisations {
+                let place = |node: usize| self.first(to) + medium.state(node + 1, polarisation);
+                let fluxes = Mat::from_fn(medium.ordinates.count(), 1, |node, _| all[(place(node), beam)]);
+                let corrected = &correction * fluxes;
+                (0..corrected.nrows()).for_each(|node| all[(place(node), beam)] = corrected[(node, 0)]);
+            }
+        }
     }
 
     /// \[coherent, whole\] flux of a specular order.

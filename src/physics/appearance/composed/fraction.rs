@@ -81,7 +81,7 @@ fn shrunk_further(part: f64, theta: f64) -> f64 {
 }
 
 /// A function of a symmetric matrix.
-fn function_of(matrix: &Mat<f64>, f: impl Fn(f64) -> f64) -> Option<Mat<f64>> {
+pub(super) fn function_of(matrix: &Mat<f64>, f: impl Fn(f64) -> f64) -> Option<Mat<f64>> {
     let (values, vectors) = symmetric_eigen(matrix)?;
     let scaled = Mat::from_fn(values.len(), values.len(), |i, j| vectors[(i, j)] * f(values[j]));
     Some(&scaled * vectors.transpose())

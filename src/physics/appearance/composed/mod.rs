@@ -24,6 +24,7 @@ mod fewer_directions;
 pub mod flux;
 mod fraction;
 pub mod fringes;
+mod lattice;
 pub mod ordinates;
 pub mod plate;
 pub mod stack;
