@@ -42,6 +42,8 @@ pub struct SolvedPair {
     pub fluxes: [Fluxes; 2],
     /// Both at once: \[direction\]\[R, T\], the directions of [`TwoCoats::directions_deg`].
     pub direct: Vec<[f64; 2]>,
+    /// Both at once, in light at 0° from the front alone.
+    pub direct_beam: Fluxes,
 }
 
 const AIR: f64 = 1.0;
@@ -84,6 +86,12 @@ impl TwoCoats {
         [[before, joint.clone()], [joint, behind]].map(|media| Sides { media, alike: false })
     }
 
+    /// What both lie between.
+    pub fn outer_sides(&self) -> Sides {
+        let [before, _, behind] = self.media();
+        Sides { media: [before, behind], alike: false }
+    }
+
     /// Directions of the light on both layers: 0°, the nodes, 45°.
     pub fn directions_deg(&self) -> Vec<f64> {
         self.media()[0].directions_deg()
@@ -120,13 +128,19 @@ impl TwoCoats {
         let behind: Vec<Sphere> =
             packed[1].iter().map(|sphere| self.moved(sphere, period_um, shift)).collect();
         let both = self.scene(period_um, &[(0, packed[0].as_slice()), (1, behind.as_slice())]);
-        let direct = |polar_deg: f64| {
-            let far = self.far(&both, [AIR; 2], (polar_deg, azimuth_deg, Side::Incident));
-            [far.reflectance, far.transmittance]
+        let direct = |polar_deg| self.far(&both, [AIR; 2], (polar_deg, azimuth_deg, Side::Incident));
+        let direct: Vec<FarField> = self.directions_deg().into_iter().map(direct).collect();
+        let beam = Lit {
+            from: Side::Incident,
+            direction: 0,
+            polarisation: 0,
+            absorptance: direct[0].absorptance,
+            orders: &direct[0].orders,
         };
         SolvedPair {
             fluxes: [apart(0), apart(1)],
-            direct: self.directions_deg().into_iter().map(direct).collect(),
+            direct_beam: self.outer_sides().fluxes(std::iter::once(beam)),
+            direct: direct.iter().map(|far| [far.reflectance, far.transmittance]).collect(),
         }
     }
 
