@@ -214,14 +214,14 @@ fn compared(coats: &TwoCoats, solved: &[SolvedPair], left_out: Option<usize>) ->
     let lobes = |all: [Lobes; 3]| all.map(|of| [of.reflected, of.transmitted]).to_vec();
     Compared {
         direct: vec![mean(0), mean(count + 1), over_nodes],
-        at_45: [&direct_beam, &layer.plate].map(|plate| at_45(plate, [before, behind])),
+        at_45: [&direct_beam, &layer.plate].map(|plate| leaving_at_45(plate, [before, behind])),
         plates: lobes(plates),
         added: lobes(added),
     }
 }
 
 /// Diffuse light from 0° that leaves a plate at 45° into media on both sides, over that of a white diffuser.
-fn at_45(plate: &Plate, media: [&Hemisphere; 2]) -> Totals {
+fn leaving_at_45(plate: &Plate, media: [&Hemisphere; 2]) -> Totals {
     let columns = [&plate.reflection[0], &plate.transmission[0]];
     [0, 1].map(|lobe| {
         let Hemisphere { ordinates, .. } = media[lobe];
