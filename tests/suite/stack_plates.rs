@@ -237,6 +237,14 @@ fn what_plates_cannot_hold_is_refused() {
             "layer[2].slab_um",
         ),
         ("thickness_um = [1, 3]\n", "thickness_um = [3, 1]\n", "layer[2].thickness_um"),
+        // so are halves of a layer that is solved whole
+        (
+            "diameter_nm = 200\nvolume_fraction = 0.2\n",
+            "diameter_nm = 255\nvolume_fraction = 0.2\n",
+            "layer[1].thickness_um",
+        ),
+        ("thickness_um = 3.0\n", "thickness_um = 3.0\nslab_um = 1\n", "layer[0].slab_um"),
+        ("thickness_um = [1, 3]\n", "thickness_um = 60\nslab_um = 60\n", "a layer of 60 µm solved whole"),
         ("thickness_um = 3.0\n", "thickness_um = [3, 4]\n", "layer[2].thickness_um"),
         ("volume_fraction = 0.15\n", "profile = [[0.0, 0.1], [1.0, 0.2]]\n", "layer[2].pigment[0].profile"),
         ("index = 2.0\n", "index = { n = 0.1, k = 8 }\n", "layer[2].pigment: found a mixture of index"),

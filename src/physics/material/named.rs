@@ -168,19 +168,22 @@ pub const MATERIALS: &[NamedMaterial] = &[
 ];
 
 impl NamedMaterial {
-    /// The material of that name or former name, ignoring case.
+    /// The material of that name or former name, ignoring case and further spaces; haematite may be
+    /// hematite.
     pub fn find(name: &str) -> Option<&'static Self> {
-        MATERIALS.iter().find(|material| material.names().any(|own| own.eq_ignore_ascii_case(name)))
+        let name = spelt_alike(name);
+        MATERIALS.iter().find(|material| material.names().any(|own| spelt_alike(own) == name))
     }
 
-    /// Names of the materials whose name or use has these words, ignoring case.
+    /// Names of the materials whose name or use has these words, with the spellings of
+    /// [`NamedMaterial::find`].
     pub fn with_words(words: &str) -> Vec<&'static str> {
-        let words = words.trim().to_lowercase();
+        let words = spelt_alike(words);
         if words.is_empty() {
             return Vec::new();
         }
         let has = |material: &&Self| {
-            material.names().chain([material.what]).any(|text| text.to_lowercase().contains(&words))
+            material.names().chain([material.what]).any(|text| spelt_alike(text).contains(&words))
         };
         MATERIALS.iter().filter(has).map(|material| material.name).collect()
     }
@@ -238,6 +241,12 @@ impl NamedMaterial {
         let texts = self.records.iter().flat_map(|(_, texts)| texts.iter());
         texts.flat_map(|text| text.lines().map_while(|line| line.strip_prefix('#'))).map(str::trim)
     }
+}
+
+/// A name without what people spell in different ways.
+fn spelt_alike(name: &str) -> String {
+    let words = name.to_lowercase().replace("haem", "hem");
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A ray in a uniaxial crystal.
@@ -305,6 +314,8 @@ mod tests {
     fn materials_are_found_by_a_part_of_their_name_or_use() {
         assert_eq!(NamedMaterial::with_words("Rutile"), ["TiO2 rutile"]);
         assert_eq!(NamedMaterial::with_words("red pigment"), ["haematite (Longtin)"]);
+        assert_eq!(NamedMaterial::with_words("hematite").len(), 2);
+        assert_eq!(NamedMaterial::find(" tio2  Rutile").map(|found| found.name), Some("TiO2 rutile"));
         assert!(NamedMaterial::with_words(" ").is_empty() && NamedMaterial::with_words("chalk").is_empty());
     }
 

@@ -94,14 +94,18 @@ fn plates_of(
     faults: &mut Faults,
 ) -> LayerPlates {
     let layer = &study.stack[i];
+    let asked_um = layers[i].slab_um;
+    let field = format!("layer[{i}].slab_um");
     if layer.pigments == 0 {
+        if let Some(asked_um) = asked_um {
+            let remedy = "remove it: a layer without grains is known exactly at any thickness";
+            faults.add(field, asked_um, "slabs of layers with grains", remedy);
+        }
         return LayerPlates::Clear;
     }
     let um = layer.thickness_um;
     let is_listed = matches!(layers[i].thickness_um, ThicknessWritten::Several(_));
-    let asked_um = layers[i].slab_um;
     let slab_um = asked_um.unwrap_or(table.slab_um);
-    let field = format!("layer[{i}].slab_um");
     faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
     if is_listed && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
         let half_um = brief(0.5 * um);
@@ -111,22 +115,29 @@ fn plates_of(
         return LayerPlates::Whole;
     }
     let is_whole = if asked_um.is_some() { um <= slab_um * (1.0 + 1e-9) } else { um < 2.0 * slab_um };
-    if is_whole && !is_listed {
-        return LayerPlates::Whole;
+    let is_whole = is_whole && !is_listed;
+    if is_whole && um > 0.0 && !limits::STACK_UM.holds(um) {
+        let found = format!("a layer of {um} µm solved whole");
+        let allowed = format!("{} where a layer is solved whole", limits::STACK_UM);
+        faults.add(&field, found, allowed, "take slabs of at most half of its thickness; 2 is usual");
     }
-    let own_um = um / (um / slab_um).round().max(2.0);
+    let own_um = if is_whole { um } else { um / (um / slab_um).round().max(2.0) };
     // that of agglomerates is a matter of chance
     let widest_um = study.packing.layers.get(i).map_or(0.0, |layer| layer.request.widest_body_um());
-    if widest_um.is_finite() && widest_um > 0.5 * own_um {
-        let allowed = format!(
-            "slabs of {:.3} µm or more, twice the largest grain: they are compared with some half as thick",
-            2.0 * widest_um
-        );
-        let remedy =
-            "take thicker slabs for this layer; of one thickness below that of a slab it is solved whole";
-        faults.add(field, format!("slabs of {own_um:.3} µm"), allowed, remedy);
+    if widest_um.is_finite() && own_um > 0.0 && widest_um > 0.5 * own_um {
+        let least_um = format!("{:.3} µm or more, twice the largest grain", 2.0 * widest_um);
+        if is_whole {
+            let allowed = format!("{least_um}: layers of a composed stack are compared with their halves");
+            let remedy = "take smaller grains or a thicker layer, or remove [stack.composed]: a thin stack is solved whole";
+            faults.add(format!("layer[{i}].thickness_um"), um, allowed, remedy);
+        } else {
+            let allowed = format!("slabs of {least_um}: they are compared with some half as thick");
+            let remedy =
+                "take thicker slabs for this layer; of one thickness below that of a slab it is solved whole";
+            faults.add(field, format!("slabs of {own_um:.3} µm"), allowed, remedy);
+        }
     }
-    LayerPlates::Slabs(own_um)
+    if is_whole { LayerPlates::Whole } else { LayerPlates::Slabs(own_um) }
 }
 
 /// What a stack of plates cannot hold.
