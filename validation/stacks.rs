@@ -5,6 +5,7 @@ use inkwave::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement}
 use inkwave::appearance::composed::ordinates::Ordinates;
 use inkwave::appearance::composed::stack::{PlateStack, StackElement};
 use inkwave::ink::{PackingRequest, PigmentGrains, Sphere, pack};
+use inkwave::input::file::ComposedTable;
 use inkwave::numerics::Draws;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{
@@ -47,7 +48,8 @@ pub struct SolvedPair {
 }
 
 const AIR: f64 = 1.0;
-const NODES: [usize; 2] = [3, 3];
+/// As in stacks that name no directions.
+const NODES: [usize; 2] = ComposedTable::OF_A_STACK;
 /// Points and cells per µm: amplitudes to some 3e-3, the same in all solves.
 const PER_UM: f64 = 12.0;
 const OBLIQUE_DEG: f64 = 45.0;

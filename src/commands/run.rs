@@ -9,6 +9,7 @@ use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::evaluated::FinishedSolves;
 use inkwave::evaluate::manifest::{Count, Status};
+use inkwave::input::file::ComposedTable;
 use inkwave::input::load::{load, load_plates, stem};
 use inkwave::input::study::{Composed, Study, StudyKind};
 use inkwave::library::gather::{OWN_LIBRARY, of_solves};
@@ -187,7 +188,7 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let slab_um = um / (0.5 * um).round();
     study.kind = StudyKind::Composed(Composed {
         slab_um,
-        directions: [3, 3],
+        directions: ComposedTable::OF_A_LAYER,
         thicknesses_um: vec![um],
         mixing: None,
         layers: Vec::new(),

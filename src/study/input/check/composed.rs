@@ -3,7 +3,7 @@
 use super::light::check_list;
 use crate::appearance::viewing::Viewing;
 use crate::input::fault::EMPTY_LIST;
-use crate::input::file::LayerTable;
+use crate::input::file::{ComposedTable, LayerTable};
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, Study, StudyKind};
 use crate::input::{Faults, LightRule, StudyFile, as_written, limits};
@@ -33,7 +33,8 @@ impl LayerTable {
             faults.add("layer.thickness_um.std", found, "0 where it is composed", remedy);
         }
         faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
-        for (zone, count) in table.directions.into_iter().enumerate() {
+        let directions = table.directions.unwrap_or(ComposedTable::OF_A_LAYER);
+        for (zone, count) in directions.into_iter().enumerate() {
             let field = format!("layer.composed.directions[{zone}]");
             let remedy = "3 is usual; 5 shows what more directions change";
             faults.whole(&field, count, limits::ZONE_DIRECTIONS, remedy);
@@ -52,7 +53,7 @@ impl LayerTable {
         let slab_um = first_um / slabs;
         Some(Composed {
             slab_um,
-            directions: table.directions,
+            directions,
             thicknesses_um,
             mixing: None,
             layers: Vec::new(),

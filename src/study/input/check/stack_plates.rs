@@ -24,13 +24,14 @@ pub(super) fn compose(
     faults: &mut Faults,
 ) {
     faults.number("stack.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
-    for (zone, count) in table.directions.into_iter().enumerate() {
+    let directions = table.directions.unwrap_or(ComposedTable::OF_A_STACK);
+    for (zone, count) in directions.into_iter().enumerate() {
         let field = format!("stack.composed.directions[{zone}]");
         faults.whole(
             &field,
             count,
             limits::ZONE_DIRECTIONS,
-            "3 is usual; 5 shows what more directions change",
+            "[3, 6] are usual; [5, 9] show what more directions change",
         );
     }
     let is_listed = |layer: &StackLayerTable| matches!(layer.thickness_um, ThicknessWritten::Several(_));
@@ -53,7 +54,7 @@ pub(super) fn compose(
     });
     let composed = Composed {
         slab_um: thickest.fold(0.0, f64::max),
-        directions: table.directions,
+        directions,
         thicknesses_um,
         mixing: None,
         layers: plates,

@@ -101,9 +101,11 @@ pub struct ComposedTable {
     /// About the thickness of a slab, µm; the first thickness is a whole number of slabs.
     #[schemars(transform = limits::THICKNESS_UM.mark())]
     pub slab_um: f64,
-    /// Directions in which light is followed: in the cone from which it reaches air, and beyond.
-    #[schemars(transform = limits::Entries(limits::ZONE_DIRECTIONS))]
-    pub directions: [usize; 2],
+    /// Directions in which light is followed: in the cone from which it reaches air, and beyond
+    /// (default: `[3, 3]` in a layer, `[3, 6]` in a stack).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = limits::Entries(limits::ZONE_DIRECTIONS), example = [3, 3])]
+    pub directions: Option<[usize; 2]>,
     /// Of a stack: every layer is solved between half-spaces of this index, that of most binders,
     /// so that its plates join those of any other layer in any order (`inkwave library`).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -111,9 +113,19 @@ pub struct ComposedTable {
     pub joint_index: Option<f64>,
 }
 
+impl ComposedTable {
+    /// Directions in a layer of slabs in the medium of their mean index.
+    pub const OF_A_LAYER: [usize; 2] = [3, 3];
+    /// Directions in a stack. Between its faces light that cannot leave has fringes in each thin
+    /// layer, which few directions miss.
+    // *Measured* on an ink over 1 µm of a white of n = 2.4: with 3, 4, 5, 6 and 9 directions beyond the cone
+    // plates absorb .391, .410, .400, .405 and .403, both solved at once .407 ± .006.
+    pub const OF_A_STACK: [usize; 2] = [3, 6];
+}
+
 impl Default for ComposedTable {
     fn default() -> Self {
-        Self { slab_um: 2.0, directions: [3, 3], joint_index: None }
+        Self { slab_um: 2.0, directions: None, joint_index: None }
     }
 }
 
