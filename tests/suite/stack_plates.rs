@@ -262,6 +262,20 @@ fn what_plates_cannot_hold_is_refused() {
     }
 }
 
+/// One complaint of a list of thicknesses that is none, where it stands.
+#[test]
+fn a_wrong_list_of_thicknesses_is_refused_once() {
+    for (list, said_of_it) in
+        [("[-1, 3]", "layer[2].thickness_um[0]: found -1"), ("[]", "found an empty list")]
+    {
+        let scratch = tempfile::tempdir().unwrap();
+        let file = study(scratch.path(), &STACK.replacen("[1, 3]", list, 1));
+        let done = super::run_support::run(&file, &scratch.path().join("out"), &[]);
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(said.contains(said_of_it) && !said.contains("fields need another value"), "{said}");
+    }
+}
+
 /// Three layers on paper in contact, the middle one of a low index, and the first one alone.
 const OVER_LOW_INDEX: &str = r#"
 title = "Over a low index"

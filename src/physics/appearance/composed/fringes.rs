@@ -29,6 +29,7 @@ mod film_matrix;
 mod lobes;
 mod slab_film;
 pub mod stack_film;
+mod stack_losses;
 mod trapped;
 
 pub use lobes::Lobes;

@@ -127,10 +127,10 @@ fn of_layer_alone(
     let mut file = StudyFile { stack: None, ..written.clone() };
     file.layer = LayerTable::of_stack(layer, common);
     file.pigments = layer.pigments.clone();
-    if let (Some(_), ThicknessWritten::Several(all)) = (&common.composed, &layer.thickness_um)
-        && let Some(&first_um) = all.first()
-    {
-        file.layer.thickness_um = ThicknessWritten::Even(first_um);
+    if let (Some(_), ThicknessWritten::Several(all)) = (&common.composed, &layer.thickness_um) {
+        // what is wrong in a list is reported with the plates
+        let first_um = all.iter().copied().find(|um| limits::THICKNESS_UM.holds(*um));
+        file.layer.thickness_um = ThicknessWritten::Even(first_um.unwrap_or(1.0));
     }
     examine_layer(&file, folder, name)
 }

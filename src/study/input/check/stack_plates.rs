@@ -108,7 +108,9 @@ fn plates_of(
     let is_listed = matches!(layers[i].thickness_um, ThicknessWritten::Several(_));
     let slab_um = asked_um.unwrap_or(table.slab_um);
     faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
-    if is_listed && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
+    // thicknesses that are none are reported where they stand
+    let has_thickness = limits::THICKNESS_UM.holds(um);
+    if is_listed && has_thickness && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
         let half_um = brief(0.5 * um);
         let allowed = format!("at most {half_um} µm, half of the thinnest of the listed thicknesses");
         let remedy = "take thinner slabs for this layer, or give it one thickness";
