@@ -44,7 +44,8 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema ← library
+//!          ← work ← draw ← report ← design, fit, sweep ← export, schema ← library
+//!                   ↖ bench (a crate of its own)
 //! ```
 //!
 //! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other

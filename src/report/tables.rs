@@ -107,14 +107,14 @@ fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<N
 /// `instruments.csv`, where there is a layer on paper: what instruments of diffuse light read, and
 /// what the series of returns needs.
 fn instruments(rows: &[SpectrumRow]) -> csv::Result<Option<NamedTable>> {
+    let read = |row: &SpectrumRow| {
+        let SpectrumRow { sphere_at_8, sphere_at_8_excluded, diffuse_normal, .. } = *row;
+        [sphere_at_8, sphere_at_8_excluded, diffuse_normal, row.transmittance_diffuse, row.absorptance_behind]
+    };
     let lines: Vec<_> = rows
         .iter()
-        .filter(|row| row.transmittance_diffuse.is_some())
-        .map(|row| {
-            let read = [row.sphere_at_8, row.sphere_at_8_excluded, row.diffuse_normal];
-            let means = [row.transmittance_diffuse, row.absorptance_behind];
-            (row.wavelength_nm.to_string(), read.map(numbers), means.map(numbers))
-        })
+        .filter(|row| read(row).iter().any(Option::is_some))
+        .map(|row| (row.wavelength_nm.to_string(), read(row).map(numbers)))
         .collect();
     if lines.is_empty() {
         return Ok(None);

@@ -118,10 +118,16 @@ pub fn emerging(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Res
     Ok(1.0 / lost(albedo, transmitted, absorbed, index)? / (index * index))
 }
 
-/// 1 − ρ R̄_b, written so that for a perfect white it is T̄/n² + Ā_b without rounding.
+/// 1 − ρ R̄_b of a layer that loses the share 1 − R̄_b of the light from the paper, written so that
+/// for a perfect white it is that share without rounding.
+pub fn lost_in_a_round(albedo: f64, lost: f64) -> f64 {
+    (1.0 - albedo) + albedo * lost
+}
+
+/// 1 − ρ R̄_b; arguments as those of [`returned`].
 fn lost(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Result<f64, PaperError> {
     let escaping = transmitted / (index * index);
-    let lost = (1.0 - albedo) + albedo * (escaping + absorbed);
+    let lost = lost_in_a_round(albedo, escaping + absorbed);
     if lost.is_nan() || lost < LEAST_ESCAPE {
         return Err(PaperError::TrapsAllLight { mean: 1.0 - escaping - absorbed });
     }

@@ -16,6 +16,8 @@
 //! pass over rising wavelengths solves all: Hersch, Appl. Opt. 47, 6710 (2008); Donaldson, Br. J.
 //! Appl. Phys. 5, 210 (1954). Every wavelength has a closed form in Y = Σ_k (ρ Φ_k + S_k).
 
+use super::paper::lost_in_a_round;
+
 /// A kind of area at one wavelength, as light between it and the paper meets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -134,7 +136,7 @@ impl AreaMix {
             let back = 1.0 - area.lost;
             let emitted = emitted.get(k).copied().unwrap_or(0.0);
             // 1 − ρ R_k (1 − w), written so that rounding leaves a perfect white its light
-            let divisor = (1.0 - albedo) + albedo * (area.lost + self.spread * back);
+            let divisor = lost_in_a_round(albedo, area.lost + self.spread * back);
             given += (albedo * share * area.entering * power + emitted) / divisor;
             shared += albedo * self.spread * share * back / divisor;
         }
@@ -144,7 +146,7 @@ impl AreaMix {
         for (k, (area, share)) in areas.iter().zip(&self.shares).enumerate() {
             let back = 1.0 - area.lost;
             let emitted = emitted.get(k).copied().unwrap_or(0.0);
-            let divisor = (1.0 - albedo) + albedo * (area.lost + self.spread * back);
+            let divisor = lost_in_a_round(albedo, area.lost + self.spread * back);
             let lit = albedo * share * area.entering * power + emitted;
             let own = (lit + albedo * back * self.spread * share * sum) / divisor;
             let rising = kept * own + self.spread * share * sum;

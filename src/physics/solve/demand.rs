@@ -4,7 +4,7 @@
 //! an upper bound; `tests/suite/memory.rs` compares the sum with the memory measured.
 
 use super::solver::Size;
-use super::solver::{Fit, Solver};
+use super::solver::{Demand, Solver};
 use crate::wave::Resolution;
 use thiserror::Error;
 
@@ -36,11 +36,11 @@ pub fn memory_in_words(gb: f64) -> String {
 impl Size {
     /// Largest memory of a solve with a strategy, bytes.
     pub fn bytes(&self, solver: &dyn Solver) -> f64 {
-        self.with(self.fit(solver, f64::INFINITY).bytes)
+        self.with(self.demand(solver, f64::INFINITY).bytes)
     }
 
-    fn fit(&self, solver: &dyn Solver, bytes: f64) -> Fit {
-        if self.channels == 0 { Fit::fixed(self.fields(4.0)) } else { solver.fit(self, bytes) }
+    fn demand(&self, solver: &dyn Solver, bytes: f64) -> Demand {
+        if self.channels == 0 { Demand::fixed(self.fields(4.0)) } else { solver.demand(self, bytes) }
     }
 
     /// Memory of a solve whose strategy needs `strategy` bytes.
@@ -54,7 +54,7 @@ impl Size {
     /// # Errors
     /// [`TooLarge`] if no variant fits.
     pub fn admit<'a>(&self, requested: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
-        let Fit { bytes, solver } = self.fit(requested, memory - self.problem());
+        let Demand { bytes, solver } = self.demand(requested, memory - self.problem());
         let bytes = self.with(bytes);
         if bytes <= memory {
             return Ok(Admitted { bytes, requested, fitted: solver });

@@ -20,5 +20,5 @@ pub use account::{Account, Goal, GridTrial, Silent, Solution, SolveError, Step, 
 pub use accuracy::task::Coverages;
 pub use ledger::{Ledger, flat};
 pub use registry::{Entry, Registry, SolverChoice};
-pub use solver::{Fit, Size, Solver};
+pub use solver::{Demand, Size, Solver};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Idr, Relaxation};

@@ -5,17 +5,17 @@ use crate::wave::{Field, Material, Mean, Media, Resolution, Scene, System, Wave}
 use std::f64::consts::PI;
 
 /// A strategy with its memory demand.
-pub struct Fit {
+pub struct Demand {
     /// Largest memory besides the problem in bytes, unless a stalled solve lets it grow.
     pub bytes: f64,
     /// The strategy with less memory, or with permission to grow; `None` if it is unchanged.
     pub solver: Option<Box<dyn Solver>>,
 }
 
-impl Fit {
+impl Demand {
     /// The demand of a strategy with constant memory.
-    pub fn fixed(bytes: f64) -> Fit {
-        Fit { bytes, solver: None }
+    pub fn fixed(bytes: f64) -> Demand {
+        Demand { bytes, solver: None }
     }
 }
 
@@ -89,8 +89,8 @@ pub trait Solver: Send + Sync {
 
     /// Memory demand besides a problem of the given size if `bytes` are available; more than that
     /// if the strategy cannot run with less.
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        Fit::fixed(size.fields(50.0))
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
+        Demand::fixed(size.fields(50.0))
     }
 
     /// Largest number of unknowns of strategies that store a dense matrix; comparisons omit larger

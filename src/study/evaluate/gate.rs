@@ -133,9 +133,22 @@ type PrintColumn = (&'static str, fn(&mut SpectrumRow) -> &mut Option<Estimate>)
 const OF_PRINT: [PrintColumn; 2] =
     [(NATURAL_LIGHT, |row| &mut row.natural_light), (LIT_AT_45, |row| &mut row.lit_at_45)];
 
-/// Removes impossible reflectance factors of the ink on its paper and gives the reason for the
-/// first of each kind; where the colour that a whole spectrum makes is among those `withheld`,
-/// removes that spectrum.
+/// A further number of a row: its name in words, its kind, and where it stands.
+type FurtherColumn = (&'static str, Quantity, fn(&mut SpectrumRow) -> &mut Option<Estimate>);
+
+/// What instruments of diffuse light read of the print, and numbers of the layer that may be
+/// missing.
+const FURTHER: [FurtherColumn; 6] = [
+    ("reflectance factor d:8", Quantity::Factor, |row| &mut row.sphere_at_8),
+    ("reflectance factor d:8 without mirrored light", Quantity::Factor, |row| &mut row.sphere_at_8_excluded),
+    ("reflectance factor d:0", Quantity::Factor, |row| &mut row.diffuse_normal),
+    ("transmittance of diffuse light", Quantity::Share, |row| &mut row.transmittance_diffuse),
+    ("absorptance of diffuse light from behind", Quantity::Share, |row| &mut row.absorptance_behind),
+    ("coherent transmittance", Quantity::Share, |row| &mut row.coherent_transmittance),
+];
+
+/// Removes impossible numbers of the spectra and gives the reason for the first of each kind; where
+/// the colour that a whole spectrum makes is among those `withheld`, removes that spectrum.
 pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Withheld> {
     let mut reasons = Vec::new();
     for (conditions, column) in OF_PRINT {
@@ -147,6 +160,10 @@ pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Wi
             let reason = |row: &mut SpectrumRow| column(row).and_then(impossible_factor);
             reasons.extend(withhold(rows, number, reason, |row| *column(row) = None));
         }
+    }
+    for (name, quantity, column) in FURTHER {
+        let reason = |row: &mut SpectrumRow| column(row).and_then(|number| impossible(quantity, number));
+        reasons.extend(withhold(rows, name.to_owned(), reason, |row| *column(row) = None));
     }
     reasons
 }

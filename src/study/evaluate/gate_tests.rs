@@ -149,4 +149,12 @@ fn a_spectrum_goes_with_its_colour() {
     let mut rows = [row(1.4), row(1.5)];
     spectra(&mut rows, &[colour]);
     assert!(rows.iter().all(|row| row.lit_at_45.is_none() && row.natural_light.is_some()));
+    let mut rows = [row(1.4)];
+    rows[0].sphere_at_8 = Some(estimate(5.0, 0.1));
+    rows[0].diffuse_normal = Some(estimate(1.1, 0.1));
+    rows[0].transmittance_diffuse = Some(estimate(1.4, 0.1));
+    let reasons = spectra(&mut rows, &[]);
+    let withheld: Vec<&str> = reasons.iter().map(|withheld| withheld.number.as_str()).collect();
+    assert_eq!(withheld, ["reflectance factor d:8", "transmittance of diffuse light"]);
+    assert!(rows[0].sphere_at_8.is_none() && rows[0].diffuse_normal.is_some());
 }

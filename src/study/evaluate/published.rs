@@ -5,7 +5,7 @@ use super::uncertainty::nothing;
 use crate::numerics::estimate::Estimate;
 use serde::{Deserialize, Serialize};
 
-/// What a published number is, which tells what it can be.
+/// Kind of a published number, which sets its allowed range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A share of the light, such as R or T: 0 to 1.
@@ -80,7 +80,7 @@ impl ErrorParts {
 }
 
 /// A weighted number that the study asks for, with its error and what that is made of; `null` is a
-/// number that cannot be.
+/// number that is withheld as impossible.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberNote {
     /// Its name in the study.

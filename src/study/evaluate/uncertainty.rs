@@ -203,8 +203,8 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// What makes the error smaller where its largest part is none that further packings make
-    /// smaller.
+    /// What to change where more packings would not help: the remedy for the largest part, if that
+    /// is not chance.
     pub fn remedy_but_packings(&self) -> Option<&'static str> {
         let chance =
             self.chance_and_cell.unwrap_or(0.0).hypot(self.angles.unwrap_or(0.0)).hypot(self.missing_cells);

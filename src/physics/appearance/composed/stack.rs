@@ -19,16 +19,16 @@ use std::f64::consts::TAU;
 /// Difference of indices that is rounding.
 const SAME_INDEX: f64 = 1e-9;
 
-/// One element of a stack: its fluxes, and what it is to the mean wave.
+/// One element of a stack: its fluxes, and its film for the mean wave.
 #[derive(Clone, Debug)]
 pub struct StackElement {
-    /// Fluxes of one of it, between the states of the media on its sides.
+    /// Fluxes of one such element, between the states of the media on its sides.
     plate: Plate,
-    /// Amplitudes, and how many of it stand one behind another.
+    /// Amplitudes, and how many such elements stand one behind another.
     film: FilmElement,
     /// The medium behind.
     behind: Hemisphere,
-    /// The layer that it is of, from 0.
+    /// The layer that it belongs to, from 0.
     layer: usize,
 }
 

@@ -5,7 +5,7 @@
 //! better choice.
 
 use crate::solve::vectors::{dot, norm};
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use num_complex::Complex64;
 
@@ -52,8 +52,8 @@ impl Solver for Bicgstab {
         Err(ledger.not_converged("the recurrence keeps breaking down; use strategy = \"krylov\""))
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        Fit::fixed(size.fields(11.0))
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
+        Demand::fixed(size.fields(11.0))
     }
 }
 

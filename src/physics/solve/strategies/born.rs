@@ -10,7 +10,7 @@
 
 use super::relaxation::contrasts;
 use crate::solve::ledger::ratio_of_terms;
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver};
 use crate::wave::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
@@ -67,8 +67,8 @@ impl Solver for Born {
         }
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        Fit::fixed(size.fields(6.0))
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
+        Demand::fixed(size.fields(6.0))
     }
 }
 
@@ -141,10 +141,10 @@ impl Solver for ConvergentBorn {
         }
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
         // Five fields of the series, three of the ledger, and the banded factors with their work
         // arrays.
-        Fit::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
+        Demand::fixed(size.fields(8.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The dense reference: the assembled matrix 1 + A⁻¹V by LU, for tiny grids only.
 
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
 
@@ -54,10 +54,10 @@ impl Solver for Direct {
         Ok(ledger.finish(field))
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
         // Larger problems are rejected before the matrix is assembled.
         let unknowns = size.unknowns().min(self.max_unknowns as f64);
-        Fit::fixed(3.0 * 16.0 * unknowns * unknowns + size.fields(6.0))
+        Demand::fixed(3.0 * 16.0 * unknowns * unknowns + size.fields(6.0))
     }
 }
 

@@ -6,7 +6,7 @@
 mod recurrence;
 
 use crate::solve::vectors::norm;
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use recurrence::Recurrence;
@@ -54,8 +54,8 @@ impl Solver for Idr {
         Ok(ledger.finish(u))
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
-        Fit::fixed(size.fields((2 * self.shadow_space + OTHER_VECTORS) as f64))
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
+        Demand::fixed(size.fields((2 * self.shadow_space + OTHER_VECTORS) as f64))
     }
 }
 

@@ -5,7 +5,7 @@ mod run;
 
 use super::guided::GuidedModes;
 use super::idr::Idr;
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::system::Double;
 use crate::wave::{Field, System};
 use run::{KrylovRun, RightFactor};
@@ -82,14 +82,14 @@ impl Solver for Gmres {
         Growing { settings: *self, longest: 0 }.run(ledger, start)
     }
 
-    fn fit(&self, size: &Size, bytes: f64) -> Fit {
+    fn demand(&self, size: &Size, bytes: f64) -> Demand {
         let vectors = |settings: &Gmres| size.fields(settings.restart as f64 + OTHER_VECTORS);
         let needs = |settings: &Gmres| vectors(settings) + settings.bytes_of_modes(size);
         let mut settings = *self;
         if needs(self) > bytes {
             settings.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
             if settings.most_vectors(size, bytes) < LEAST_RESTART.min(self.restart) {
-                return Fit::fixed(needs(self));
+                return Demand::fixed(needs(self));
             }
         }
         let most = settings.most_vectors(size, bytes);
@@ -100,7 +100,7 @@ impl Solver for Gmres {
         let grows = longest > settings.restart;
         let fitted = Growing { settings, longest: if grows { longest } else { 0 } };
         let solver = (grows || settings != *self).then(|| Box::new(fitted) as Box<dyn Solver>);
-        Fit { bytes: needs(&settings), solver }
+        Demand { bytes: needs(&settings), solver }
     }
 }
 
@@ -116,8 +116,8 @@ impl Solver for Growing {
         self.settings.name()
     }
 
-    fn fit(&self, size: &Size, bytes: f64) -> Fit {
-        self.settings.fit(size, bytes)
+    fn demand(&self, size: &Size, bytes: f64) -> Demand {
+        self.settings.demand(size, bytes)
     }
 
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {

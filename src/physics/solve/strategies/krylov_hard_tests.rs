@@ -152,7 +152,7 @@ fn scarce_memory_leaves_room_for_the_elimination() {
     let vectors = elimination + SHORT_RESTART as f64 + 1.0;
     let bytes = size.fields(vectors + OTHER_VECTORS);
     assert!(vectors < Gmres::default().restart as f64, "scarce: {vectors} vectors");
-    let fit = Gmres::default().fit(&size, bytes);
+    let fit = Gmres::default().demand(&size, bytes);
     assert!(fit.bytes <= bytes);
     let found = fit.solver.expect("a shorter basis").solve(&s, goal, &mut Silent).expect("converges");
     let with = found.account.operator_applications;

@@ -12,7 +12,7 @@ mod march;
 pub(crate) use march::contrasts;
 
 use crate::solve::vectors::norm;
-use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
+use crate::solve::{Demand, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, Mean, Problem};
 use march::{March, Memory};
 
@@ -107,11 +107,11 @@ impl Solver for Relaxation {
         }
     }
 
-    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+    fn demand(&self, size: &Size, _bytes: f64) -> Demand {
         // Stored candidates hold four fields with their differences; two more are under
         // construction.
         let candidates = 5.0 * (self.memory.max(1) as f64 + 3.0);
-        Fit::fixed(size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
+        Demand::fixed(size.fields(candidates + 9.0 + 2.0 * (size.resolution.scheme.degree() as f64 + 1.0)))
     }
 }
 

@@ -4,7 +4,7 @@
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::paper::{MirroredSky, PRINT_DEG};
+use crate::appearance::paper::{MirroredSky, PRINT_DEG, lost_in_a_round};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::prints::Brightened;
@@ -55,7 +55,7 @@ pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64
         lost: 1.0 - paper.back,
     };
     // fluxes go through the nodes, means do not: as a solid, dots give what the fluxes give
-    let series = at_45.entering * at_45.leaving * albedo / ((1.0 - albedo) + albedo * at_45.lost);
+    let series = at_45.entering * at_45.leaving * albedo / lost_in_a_round(albedo, at_45.lost);
     let at_45 = AreaOptics { leaving: at_45.leaving * ratio(on_paper - alone, series), ..at_45 };
     let numbers = LayerNumbers {
         reflectance_normal: normal_changed.reflected,
@@ -90,7 +90,7 @@ pub(super) fn brightened(
     let lit = light.below(&mix, &[&at_45], wavelengths_nm).relative(wavelengths_nm);
     let sky = light.below(&mix, &[&natural], wavelengths_nm).relative(wavelengths_nm);
     for (((layer, lit), sky), albedo) in all.iter_mut().zip(lit).zip(sky).zip(albedos) {
-        let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
+        let leaving = layer.at_45.leaving / lost_in_a_round(*albedo, layer.at_45.lost);
         layer.emitted = [sky, lit].map(|kinds| leaving * kinds.iter().sum::<f64>());
         let [natural_light, lit_at_45] = layer.emitted;
         layer.numbers.lit_at_45 += lit_at_45;
