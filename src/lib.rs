@@ -44,8 +44,7 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← work ← draw ← report ← design, fit, sweep ← export, schema ← library
-//!                   ↖ bench (a crate of its own)
+//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema ← library
 //! ```
 //!
 //! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other

@@ -98,16 +98,35 @@ fn pack(name: &str) -> Result<String, String> {
     outcome(&["pack", "--realisations", "1", "--output", "packed"], name)
 }
 
+/// Examples whose grains are those of another one: their plans pack them, and their pages of packings show nothing new.
+const PACKED_LIKE_OTHERS: [&str; 9] = [
+    "brightened-paper.toml",
+    "coats.toml",
+    "composed-small.toml",
+    "halftone.toml",
+    "primer.toml",
+    "production.toml",
+    "varnish.toml",
+    "white-paint.toml",
+    "yellow-full.toml",
+];
+
 /// Commands that take the example.
 fn taken(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>)> {
+    let mut all = tried(name, kind);
+    if !PACKED_LIKE_OTHERS.contains(&name) && kind == Kind::Study {
+        all.push(("pack", pack(name)));
+    }
+    all
+}
+
+/// The commands but `pack`.
+fn tried(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>)> {
     match kind {
-        Kind::Study if is_for_packings(name) => vec![("pack", pack(name))],
-        Kind::Study if is_vector(name) => {
-            vec![("run", outcome(&["run", "--plan"], name)), ("pack", pack(name))]
-        }
+        Kind::Study if is_for_packings(name) => Vec::new(),
+        Kind::Study if is_vector(name) => vec![("run", outcome(&["run", "--plan"], name))],
         Kind::Study => vec![
             ("run", outcome(&["run", "--plan"], name)),
-            ("pack", pack(name)),
             ("compare", outcome(&["compare", "--plan"], name)),
         ],
         Kind::Sweep => vec![("sweep", outcome(&["sweep", "--plan"], name))],

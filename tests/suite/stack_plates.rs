@@ -262,9 +262,9 @@ fn what_plates_cannot_hold_is_refused() {
     }
 }
 
-/// One complaint of a list of thicknesses that is none, where it stands.
+/// One complaint of thicknesses of layers or slabs that are none, where they stand.
 #[test]
-fn a_wrong_list_of_thicknesses_is_refused_once() {
+fn a_wrong_thickness_is_refused_once() {
     for (list, said_of_it) in
         [("[-1, 3]", "layer[2].thickness_um[0]: found -1"), ("[]", "found an empty list")]
     {

@@ -24,7 +24,9 @@ pub(super) fn compose(
     faults: &mut Faults,
 ) {
     faults.number("stack.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
-    let directions = table.directions.unwrap_or(ComposedTable::OF_A_STACK);
+    let [x_um, y_um] = study.layer.period_um;
+    let longest_nm = study.wavelengths_nm.last().copied().unwrap_or(0.0);
+    let directions = table.in_a_stack(x_um.min(y_um), 1e-3 * longest_nm);
     for (zone, count) in directions.into_iter().enumerate() {
         let field = format!("stack.composed.directions[{zone}]");
         faults.whole(
@@ -107,13 +109,19 @@ fn plates_of(
     let um = layer.thickness_um;
     let is_listed = matches!(layers[i].thickness_um, ThicknessWritten::Several(_));
     let slab_um = asked_um.unwrap_or(table.slab_um);
-    faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
+    if asked_um.is_some() {
+        faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
+    }
     // thicknesses that are none are reported where they stand
-    let has_thickness = limits::THICKNESS_UM.holds(um);
-    if is_listed && has_thickness && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
+    if !limits::THICKNESS_UM.holds(um) || !limits::THICKNESS_UM.holds(slab_um) {
+        return LayerPlates::Whole;
+    }
+    if is_listed && slab_um > 0.5 * um * (1.0 + limits::ROUNDED) {
         let half_um = brief(0.5 * um);
-        let allowed = format!("at most {half_um} µm, half of the thinnest of the listed thicknesses");
-        let remedy = "take thinner slabs for this layer, or give it one thickness";
+        let allowed = format!("at most {half_um} µm, half of the thinnest of the thicknesses of layer[{i}]");
+        let remedy =
+            format!("take thinner slabs, there or as slab_um of layer[{i}], or give it one thickness");
+        let field = if asked_um.is_some() { field } else { "stack.composed.slab_um".to_owned() };
         faults.add(field, slab_um, allowed, remedy);
         return LayerPlates::Whole;
     }

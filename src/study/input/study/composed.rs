@@ -205,15 +205,16 @@ impl Study {
         }
     }
 
-    /// Index of the denser medium around a slab, where it is denser than those around the slab that
-    /// its grid is chosen for, so that more orders propagate.
+    /// Index of the denser medium around a slab, where it is denser than the slab's binder or than
+    /// those around the slab that its grid is chosen for, so that more orders propagate.
     pub fn denser_surroundings(&self, wavelength_um: f64) -> Option<f64> {
         let portion = self.portion()?;
         let [own, of_first] = [portion, &portion.first()].map(|portion| {
             let [before, behind] = self.indices_around(portion, wavelength_um);
             before.max(behind)
         });
-        (own > of_first + 1e-9).then_some(own)
+        let binder = self.binder_and_pigments(wavelength_um).0.re;
+        (own > of_first.min(binder) + 1e-9).then_some(own)
     }
 
     /// The states of light on both sides of a portion; `None` for other studies.

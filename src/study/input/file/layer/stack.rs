@@ -19,7 +19,7 @@ use std::fmt;
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StackTable {
-    /// Whether every realisation has a cell of its own; see [`variation`].
+    /// Whether every realisation has a cell of its own size, shape and azimuth.
     pub cell: variation::CellRule,
     /// Nominal period along x and y, µm: one number or `[x, y]`. For varied cells it follows from
     /// the largest grains of all layers by default.
