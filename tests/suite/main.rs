@@ -9,6 +9,7 @@ mod composed;
 mod composed_runs;
 mod coverage_shapes;
 mod damage;
+mod dense_joints;
 mod designs;
 mod distributions;
 mod examples;

@@ -46,8 +46,8 @@ pub enum ThicknessWritten {
         /// Mean, µm.
         #[schemars(transform = THICKNESS_UM.mark())]
         mean: f64,
-        /// Standard deviation, µm; at most a quarter of the mean. Layers beyond three of it are left
-        /// out.
+        /// Standard deviation, µm; at most a quarter of the mean. Layers beyond three of it are
+        /// left out.
         #[schemars(transform = NOT_NEGATIVE.mark())]
         std: f64,
     },
