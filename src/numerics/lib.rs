@@ -15,6 +15,7 @@ pub mod files;
 pub mod fourier;
 pub mod integral;
 pub mod interpolate;
+pub mod root;
 pub mod vector;
 
 pub use draws::{Draws, Sequence, are_weights, weighted};

@@ -1,5 +1,6 @@
 //! All integration tests in one program: one to link.
 
+mod absorbing_films;
 mod bad_input;
 mod cli_light;
 mod cli_solve;

@@ -131,7 +131,10 @@ fn check_whole_thickness(examined: &mut Examined) {
     let has_grains = !examined.study.pigments.is_empty();
     if has_grains && limits::THICKNESS_UM.holds(thickness_um) && !limits::WHOLE_UM.holds(thickness_um) {
         let allowed = format!("{} for a layer with grains that is solved whole", limits::WHOLE_UM);
-        let remedy = "thicknesses are in µm, a printed layer is about 1 µm thick; thick paints are composed: add [layer.composed]";
+        let remedy = format!(
+            "thicknesses are in µm, a printed layer is about 1 µm thick ({thickness_um} nm are {}); thick paints are composed: add [layer.composed]",
+            thickness_um / 1e3
+        );
         examined.wave_faults.add("layer.thickness_um", format!("{thickness_um} µm"), allowed, remedy);
     }
 }

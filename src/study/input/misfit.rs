@@ -64,7 +64,7 @@ impl de::Error for Misfit {
     }
 
     fn invalid_length(found: usize, allowed: &dyn Expected) -> Self {
-        Self::new(format!("{found} entries"), allowed.to_string())
+        Self::new(format!("{found} entries"), in_words(&allowed.to_string()))
     }
 
     fn unknown_variant(found: &str, allowed: KeyNames) -> Self {
@@ -111,6 +111,8 @@ fn in_words(kind: &str) -> String {
         "i64" | "i32" | "isize" => "a whole number".into(),
         "a boolean" => "true or false".into(),
         "a sequence" => "a list in brackets, such as [1, 2]".into(),
+        "an array of length 2" => "a list of 2 in brackets, such as [1, 2]".into(),
+        "an array of length 3" => "a list of 3 in brackets, such as [1, 2, 3]".into(),
         other => {
             if ["struct ", "internally tagged enum "].iter().any(|kind| other.starts_with(kind)) {
                 "a table".into()

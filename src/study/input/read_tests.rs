@@ -55,7 +55,7 @@ fn values_that_do_not_fit_are_named_where_they_are() {
         ("count = 1", "inner", "nothing", "a value"),
         ("inner = []\nkind = 'plane'", "kind", "`plane`", "`plain`, `round`"),
         ("inner = []\nkind.round = {}", "kind.round.radius", "nothing", "a value"),
-        ("inner = []\npair = [1]", "pair", "1 entries", "array of length 2"),
+        ("inner = []\npair = [1]", "pair", "1 entries", "a list of 2 in brackets"),
         ("inner = []\npair = [1, 2, 3]", "pair", "3 entries", "2 entries"),
         ("inner = []\nold = 1\nnew = 2", "new", "two values", "one"),
     ] {

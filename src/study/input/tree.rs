@@ -140,7 +140,12 @@ fn twice(text: &str, name: &str, span: Option<Range<usize>>) -> SyntaxFault {
         return SyntaxFault { message, remedy, span };
     }
     let message = format!("duplicate key: {name:?} {TWICE}");
-    SyntaxFault { message, remedy: "keep one of the two", span }
+    let remedy = if ["layer", "pigment"].contains(&name) && begins(format!("[{name}]")) {
+        "keep one of the two; several are a list, each in double brackets, as [[layer]] or [[pigment]]"
+    } else {
+        "keep one of the two"
+    };
+    SyntaxFault { message, remedy, span }
 }
 
 /// Digits of a number that a message quotes.

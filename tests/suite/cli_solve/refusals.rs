@@ -104,7 +104,7 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
         (with("/spheres/0/radius", json!("big")), vec!["spheres[0].radius", "\"big\"", "in that form"]),
         (
             with("/spheres/0/center", json!([1, 2])),
-            vec!["spheres[0].center", "2 entries", "array of length 3"],
+            vec!["spheres[0].center", "2 entries", "a list of 3 in brackets"],
         ),
         (with("/layers_from_z0", json!([])), vec!["eta_binder", "layers_from_z0", "in one way"]),
         (json!({ "wavelength": 0.5 }).to_string(), vec!["eta_binder", "layers_from_z0", "in one way"]),

@@ -81,7 +81,7 @@ impl Plate {
 }
 
 /// (1 − A B)⁻¹ x.
-fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
+pub(super) fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     let product = a * b;
     let matrix = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - product[(i, j)]);

@@ -2,22 +2,28 @@
 
 use super::flux::Hemisphere;
 use super::ordinates::Ordinates;
-use super::plate::{Plate, total};
+use super::plate::{Plate, bounced, total};
 use crate::appearance::kubelka_munk::KubelkaMunk;
+use crate::numerics::dense::MatrixEntry;
+use crate::numerics::root::Search;
 use crate::wave::grid::element::legendre;
 use faer::Mat;
 
 /// Nodes of a zone for the medium that a slab is compared with.
 const NODES: usize = 8;
 /// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins
-/// with.
-const THINNEST: f64 = 1e-6;
+/// with; what its first order leaves out is a twelfth of the square.
+const THINNEST: f64 = 1e-3;
 /// Most doublings of that layer: more would be a layer of astronomical optical thickness.
 const MOST_DOUBLINGS: usize = 60;
-/// Rounds of Newton's method, the step of its differences, and the last moves at which it ends.
-const ROUNDS: usize = 12;
-const STEP: f64 = 1e-4;
-/// Accepted last move of the absorption over the extinction, and of g: far below any error bar.
+/// How the absorption over the extinction, and g, are looked for.
+const SEARCH: Search = Search {
+    difference: 1e-4,
+    bounds: [[f64::NEG_INFINITY, f64::INFINITY], [-0.95, 0.97]],
+    enough: [1e-9, 1e-8],
+    rounds: 40,
+};
+/// Accepted last steps: far below any error bar.
 const ACCEPTED: [f64; 2] = [1e-6, 1e-5];
 /// Mean transmittance of the stack whose doubling gives K and S: light in it is diffuse.
 const DIFFUSE: f64 = 0.2;
@@ -51,16 +57,44 @@ impl Transport {
         if !(depth.is_finite() && self.asymmetry.is_finite()) || doublings > MOST_DOUBLINGS as f64 {
             return None;
         }
-        let doublings = doublings as usize;
-        let mut layer = self.thin(medium, &cosines, thickness_um / (1_u64 << doublings) as f64);
-        (0..doublings).for_each(|_| layer = layer.then(&layer));
-        Some(layer)
+        let mut layer = self.thin(medium, &cosines, thickness_um / 2.0_f64.powf(doublings));
+        (0..doublings as usize).for_each(|_| layer = layer.doubled());
+        let EvenLayer { reflection, transmission } = layer;
+        Some(Plate {
+            reflection: [reflection.clone(), reflection],
+            transmission: [transmission.clone(), transmission],
+        })
     }
 
-    /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j
-    /// loses. The nodes carry as many terms of p; the rest of the forward peak goes straight on
-    /// (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34 (1977) 1408).
-    fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> Plate {
+    /// A thin layer. With F₊′ = −A F₊ + B F₋ and single scattering B and 1 − A, light that comes
+    /// from both sides alike (+) or with opposite signs (−) meets C± = R ± T of
+    ///
+    /// ```text
+    /// (1 − C₊)/(1 + C₊) = (A − B) d/2      (1 + C₋)/(1 − C₋) = (A + B) d/2
+    /// ```
+    ///
+    /// to first order of the tangents in [`fraction`](super::fraction), exactly without loss where
+    /// the medium has none.
+    fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> EvenLayer {
+        let [back, lost] = self.scattered(medium, cosines);
+        let n = cosines.len();
+        // x/(1 + x)
+        let half_lost = |sign: f64| {
+            let x = faer::Scale(0.5 * thickness_um) * (&lost + faer::Scale(sign) * &back);
+            let more = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + x[(i, j)]);
+            f64::solve(&f64::factors(more.as_ref()), x.as_ref())
+        };
+        let alike = half_lost(-1.0);
+        let opposite = half_lost(1.0);
+        let onward = Mat::<f64>::identity(n, n) - &opposite - &alike;
+        EvenLayer { reflection: opposite - alike, transmission: onward }
+    }
+
+    /// What light of every state loses, and what of it goes back, per µm: F_ij = k_s w_i
+    /// p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j loses. The nodes carry as many terms of
+    /// p; the rest of the forward peak goes straight on (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34
+    /// (1977) 1408).
+    fn scattered(&self, medium: &Hemisphere, cosines: &[f64]) -> [Mat<f64>; 2] {
         let n = cosines.len();
         let weights = medium.weights();
         let terms = medium.ordinates.weights.iter().filter(|w| **w > 0.0).count();
@@ -75,56 +109,57 @@ impl Transport {
         };
         let shape = |sign: f64| Mat::from_fn(n, n, |i, j| weights[i] / cosines[i] * phase(i, j, sign));
         let mut back = shape(-1.0);
-        let mut onward = shape(1.0);
+        let mut lost = shape(1.0);
         for j in 0..n {
-            let sum: f64 = (0..n).map(|i| back[(i, j)] + onward[(i, j)]).sum();
-            let path = thickness_um / cosines[j];
+            let sum: f64 = (0..n).map(|i| back[(i, j)] + lost[(i, j)]).sum();
+            let share = scattering / (cosines[j] * sum);
             for i in 0..n {
-                back[(i, j)] *= scattering * path / sum;
-                onward[(i, j)] *= scattering * path / sum;
+                back[(i, j)] *= share;
+                lost[(i, j)] *= -share;
             }
-            onward[(j, j)] += 1.0 - (scattering + self.absorption_per_um) * path;
+            lost[(j, j)] += (scattering + self.absorption_per_um) / cosines[j];
         }
-        Plate { reflection: [back.clone(), back], transmission: [onward.clone(), onward] }
+        [back, lost]
     }
 
     /// The medium that has a slab's coherent transmittance at 0°, and its mean reflectance and
     /// absorptance in diffuse light. `None` where there is none: where the mean over few
-    /// realisations leaves no coherent light, or where Newton's method does not settle.
+    /// realisations leaves no coherent light, or where Broyden's method does not settle.
     pub fn of_slab(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<Self> {
         let extinction = extinction_per_um(slab, thickness_um)?;
         let [r, t] = means(slab, medium);
         let ordinates = Ordinates::for_transfer(medium.ordinates.index, [NODES; 2]);
         let plain = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
+        // absorption over extinction, and g
         let transport = |k: [f64; 2]| Self {
-            scattering_per_um: extinction - k[0],
-            absorption_per_um: k[0],
+            scattering_per_um: extinction * (1.0 - k[0]),
+            absorption_per_um: extinction * k[0],
             asymmetry: k[1],
         };
         let miss = |k: [f64; 2]| {
             let [own_r, own_t] = means(&transport(k).layer(&plain, thickness_um)?, &plain);
             Some([own_r + own_t - r - t, own_r - r])
         };
-        let mut k = [0.5 * (1.0 - r - t) / thickness_um, 0.5];
-        let mut settled = false;
-        for _ in 0..ROUNDS {
-            let here = miss(k)?;
-            let scale = STEP * extinction;
-            let by_a = miss([k[0] + scale, k[1]])?;
-            let by_g = miss([k[0], k[1] + STEP])?;
-            let a = [0, 1].map(|i| (by_a[i] - here[i]) / scale);
-            let g = [0, 1].map(|i| (by_g[i] - here[i]) / STEP);
-            let determinant = a[0] * g[1] - a[1] * g[0];
-            let moves =
-                [here[0] * g[1] - here[1] * g[0], a[0] * here[1] - a[1] * here[0]].map(|x| x / determinant);
-            k = [k[0] - moves[0], (k[1] - moves[1]).clamp(-0.95, 0.97)];
-            settled = moves[0].abs() < ACCEPTED[0] * extinction && moves[1].abs() < ACCEPTED[1];
-            if moves[0].abs() < 1e-9 * extinction && moves[1].abs() < 1e-8 {
-                break;
-            }
-        }
-        let found = transport(k);
+        let start = [0.5 * (1.0 - r - t) / (extinction * thickness_um), 0.5];
+        let (found, last_step) = SEARCH.root(start, miss)?;
+        let settled = (0..2).all(|i| last_step[i].abs() < ACCEPTED[i]);
+        let found = transport(found);
         (settled && found.scattering_per_um > 0.0).then_some(found)
+    }
+}
+
+/// An even layer: both sides are alike.
+struct EvenLayer {
+    reflection: Mat<f64>,
+    transmission: Mat<f64>,
+}
+
+impl EvenLayer {
+    /// Two such layers, one behind another.
+    fn doubled(&self) -> Self {
+        let Self { reflection: r, transmission: t } = self;
+        let between = bounced(r, r, t);
+        Self { reflection: r + t * (r * &between), transmission: t * between }
     }
 }
 
