@@ -1,7 +1,6 @@
 //! Stacks that are lists of plates, as a user runs them.
 
 use super::run_support::{results, results_of, study, succeed, value};
-use serde_json::Value;
 use std::path::Path;
 
 /// A clear varnish, an ink that is solved as a whole, and a white in slabs, which has several thicknesses.

@@ -116,7 +116,7 @@ mod tests {
                 let got = slab.fraction(part, &inside.weights()).unwrap();
                 let thinner = || light.layer(&inside, 2.0 * part).unwrap();
                 let want = if part > 0.0 { thinner() } else { Plate::nothing(7) };
-                // thin layers from which either is doubled have errors of 1e-6
+                // the étendue that stands for the beam's adds some 1e-6
                 assert!(distance(&got, &want) < 2e-5, "{k_s} {k_a} {part}: {}", distance(&got, &want));
             }
         }

@@ -171,7 +171,12 @@ impl<'a> Interference<'a> {
             MeanWave::Slabs { film, count, beyond } => {
                 let slow = film.between(beyond, &weights, self.polarisation, sine);
                 let mean = film.film(*count, self.polarisation, sine, &slow);
-                KnownField { mean, front: slow.front.norm_sqr(), through: slow.through.norm(), shares }
+                KnownField {
+                    mean,
+                    front: slow.front.norm_sqr(),
+                    through: slow.through.norm_sqr().sqrt(),
+                    shares,
+                }
             }
             MeanWave::Stack { film, beyond } => {
                 let field = film.field(beyond, &weights, self.polarisation, sine);

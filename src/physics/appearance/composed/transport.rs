@@ -5,19 +5,19 @@ use super::ordinates::Ordinates;
 use super::plate::{Plate, bounced, total};
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::numerics::dense::MatrixEntry;
-use crate::numerics::root::Search;
+use crate::numerics::root::RootSearch;
 use crate::wave::grid::element::legendre;
 use faer::Mat;
 
 /// Nodes of a zone for the medium that a slab is compared with.
 const NODES: usize = 8;
 /// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins
-/// with; what its first order leaves out is a twelfth of the square.
-const THINNEST: f64 = 1e-3;
+/// with: Z in [`Transport::thin`] is at most a quarter of its square, of which g misses Z³/1575.
+const THINNEST: f64 = 0.2;
 /// Most doublings of that layer: more would be a layer of astronomical optical thickness.
 const MOST_DOUBLINGS: usize = 60;
 /// How the absorption over the extinction, and g, are looked for.
-const SEARCH: Search = Search {
+const SEARCH: RootSearch = RootSearch {
     difference: 1e-4,
     bounds: [[f64::NEG_INFINITY, f64::INFINITY], [-0.95, 0.97]],
     enough: [1e-9, 1e-8],
@@ -66,27 +66,26 @@ impl Transport {
         })
     }
 
-    /// A thin layer. With F₊′ = −A F₊ + B F₋ and single scattering B and 1 − A, light that comes
-    /// from both sides alike (+) or with opposite signs (−) meets C± = R ± T of
+    /// A thin layer. With F₊′ = −A F₊ + B F₋, light that comes from both sides alike (+) or with
+    /// opposite signs (−) meets C± = R ± T, of which
     ///
     /// ```text
-    /// (1 − C₊)/(1 + C₊) = (A − B) d/2      (1 + C₋)/(1 − C₋) = (A + B) d/2
+    /// (1 − C₊)/(1 + C₊) = N g(Z)      (1 + C₋)/(1 − C₋) = g(Z) M      Z = M N
+    /// M = (A + B) d/2      N = (A − B) d/2      g(Z) = tanh √Z/√Z ≈ (15 + Z)/(15 + 6 Z)
     /// ```
     ///
-    /// to first order of the tangents in [`fraction`](super::fraction), exactly without loss where
-    /// the medium has none.
+    /// so that nothing is lost where the medium loses nothing.
     fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> EvenLayer {
         let [back, lost] = self.scattered(medium, cosines);
-        let n = cosines.len();
+        let half = |sign: f64| faer::Scale(0.5 * thickness_um) * (&lost + faer::Scale(sign) * &back);
+        let (m, n) = (half(1.0), half(-1.0));
+        let z = &m * &n;
+        let g = solved(&plus(15.0, 6.0, &z), &plus(15.0, 1.0, &z));
         // x/(1 + x)
-        let half_lost = |sign: f64| {
-            let x = faer::Scale(0.5 * thickness_um) * (&lost + faer::Scale(sign) * &back);
-            let more = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + x[(i, j)]);
-            f64::solve(&f64::factors(more.as_ref()), x.as_ref())
-        };
-        let alike = half_lost(-1.0);
-        let opposite = half_lost(1.0);
-        let onward = Mat::<f64>::identity(n, n) - &opposite - &alike;
+        let lost_of_half = |x: Mat<f64>| solved(&plus(1.0, 1.0, &x), &x);
+        let alike = lost_of_half(&n * &g);
+        let opposite = lost_of_half(g * m);
+        let onward = Mat::<f64>::identity(z.nrows(), z.nrows()) - &opposite - &alike;
         EvenLayer { reflection: opposite - alike, transmission: onward }
     }
 
@@ -161,6 +160,16 @@ impl EvenLayer {
         let between = bounced(r, r, t);
         Self { reflection: r + t * (r * &between), transmission: t * between }
     }
+}
+
+/// a + b X.
+fn plus(a: f64, b: f64, x: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(x.nrows(), x.ncols(), |i, j| if i == j { a + b * x[(i, j)] } else { b * x[(i, j)] })
+}
+
+/// A⁻¹ X.
+fn solved(a: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
+    f64::solve(&f64::factors(a.as_ref()), x.as_ref())
 }
 
 /// Extinction of coherent light at 0° in a slab, 1/µm; `None` if nothing of it is left, or nothing

@@ -139,7 +139,7 @@ pub(super) fn plane(
         if polarisation == 0 { normal(index, sine) } else { normal(index, sine) / (index * index) }
     };
     let (a, b) = (admittance(before), admittance(behind));
-    let reflected = if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO };
+    let reflected = if a + b != Complex64::ZERO { (a - b) / (a + b) } else { Complex64::ZERO };
     FilmMatrix { reflected: [reflected, -reflected], transmitted: (1.0 - reflected * reflected).sqrt() }
 }
 

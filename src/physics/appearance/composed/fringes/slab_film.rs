@@ -176,14 +176,14 @@ impl CoherentFilm {
         let back = slow.through * front_depth * to_back;
         Lobes {
             reflected: (slow.front + back / (1.0 - rho)).norm_sqr(),
-            transmitted: slow.passed.powi(2) * passed.norm() / (1.0 - rho).norm_sqr(),
+            transmitted: slow.passed.powi(2) * passed.norm_sqr().sqrt() / (1.0 - rho).norm_sqr(),
         }
     }
 
     /// R and T of a layer of `count` slabs, as composing has them: of slabs between the half-spaces
     /// of their solves, which mirror the steps to these.
     fn incoherent(&self, count: f64, polarisation: usize, sine: f64, slow: &Slow) -> Lobes {
-        let at_front = slow.through.norm();
+        let at_front = slow.through.norm_sqr().sqrt();
         let front =
             FilmMatrix { reflected: [slow.front.norm_sqr(), slow.inside.norm_sqr()], transmitted: at_front };
         let step = self.step(polarisation, sine);
@@ -262,7 +262,7 @@ fn face(sine: f64, polarisation: usize, from: f64, to: f64) -> Complex64 {
     };
     let a = admittance(from);
     let b = admittance(to);
-    if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO }
+    if a + b != Complex64::ZERO { (a - b) / (a + b) } else { Complex64::ZERO }
 }
 
 /// A logarithm that is finite for slabs through which no coherent light is seen.

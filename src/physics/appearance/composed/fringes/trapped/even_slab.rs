@@ -182,6 +182,6 @@ pub(super) fn plane(
     };
     let a = admittance(before);
     let b = admittance(behind);
-    let reflected = if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO };
+    let reflected = if a + b != Complex64::ZERO { (a - b) / (a + b) } else { Complex64::ZERO };
     FilmMatrix { reflected: [reflected, -reflected], transmitted: (1.0 - reflected * reflected).sqrt() }
 }
