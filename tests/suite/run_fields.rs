@@ -55,7 +55,7 @@ planes_per_um = 30
 strategy = "krylov"
 tolerance = 1e-4
 [output]
-picture_pixels = 61
+picture_pixels = 24
 "#;
 
 fn base() -> toml::Table {
