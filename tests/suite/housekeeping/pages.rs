@@ -20,7 +20,7 @@ fn generated_pages_are_as_they_were_generated() {
 }
 
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
-const OLDER: [(&str, &str); 12] = [
+const OLDER: [(&str, &str); 11] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 18 leave alone"),
     (
         "reports/comparison",
@@ -43,10 +43,6 @@ const OLDER: [(&str, &str); 12] = [
     ("reports/speed", "costs of layers solved at once, which methods 10 to 18 leave alone"),
     ("reports/white-paint", "pages of composed layers leave the method to results.json"),
     ("reports/scalar-against-vector", "half an hour of processor time"),
-    (
-        "reports/library",
-        "a library of form 4, which does not say what the media of its slabs absorb; to be made anew",
-    ),
     ("reports/measured", "measurements beside formulas, without a solve"),
 ];
 
